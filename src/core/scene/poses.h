@@ -14,6 +14,9 @@ struct pose {
 /* The pose at `time`, s: linear between keys, constant before the first and after the last one. */
 struct pose pose_at(const struct scene_motion *motion, double time);
 
+/* The rotation of a pose: a matrix, row by row. */
+void pose_rotation(const struct pose *pose, double R[9]);
+
 /* Computes the positions x, count x 3, m, at `time`, s, of points given relative to the pivot in
  * the initial placement. x may be `placed`. */
 void pose_place(const struct scene_motion *motion, const double *placed, int count, double time,

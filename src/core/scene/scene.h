@@ -143,10 +143,12 @@ enum probe_kind { /* what a probe measures; keys of a scene: scene_probe.c */
 struct scene_probe {
     char *name;           /* unique among bodies, solids and probes */
     int kind;             /* enum probe_kind */
-    struct point_list at; /* m, where, not of a box, solid or body */
-    struct box box;       /* of PROBE_BOX */
+    struct point_list at; /* m, where at time 0, not of a box, solid or body */
+    struct box box;       /* of PROBE_BOX, at time 0 */
     int target;           /* index of the solid, or of the body */
     int pin;              /* of PROBE_PINS: number among the pins of the body; -1: all */
+    int on_solid;         /* the solid that carries the place; -1: none */
+    int on_body;          /* the rigid body that carries the place; -1: none */
     double radius;        /* m: particles and boundary points within it count; 0: two spacings */
     double time;          /* s, time constant of an exponential mean; 0: none */
 };

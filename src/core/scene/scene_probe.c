@@ -46,7 +46,8 @@ static pdyn_status read_line(struct reader *r, const struct json_at *at,
 
 static pdyn_status read_wall(struct reader *r, const struct json_at *at,
                              struct scene_probe *probe) {
-    if (!r->scene->solids) return json_fail_at_key(at, "\"wall\" needs a scene with solids");
+    if (!r->scene->solids && probe->on_body < 0)
+        return json_fail_at_key(at, "\"wall\" needs a scene with solids, or \"on\" a rigid body");
     return read_point(r, at, probe);
 }
 
@@ -65,6 +66,27 @@ static pdyn_status read_region(struct reader *r, const struct json_at *at,
 
 static const char *name_of_solid(const struct scene *scene, int s) { return scene->solid[s].name; }
 static const char *name_of_body(const struct scene *scene, int b) { return scene->body[b].name; }
+
+/* "on": the solid or the rigid body that carries the place of the probe. */
+static pdyn_status read_on(struct reader *r, const struct json_at *at, struct scene_probe *probe) {
+    const struct scene *scene = r->scene;
+    int solids = scene->solids, count = solids, found = 0;
+    probe->on_solid = probe->on_body = -1;
+    if (!at->value) return PDYN_OK;
+    const char **names = NEW_ARRAY(r->context, solids + scene->bodies, const char *);
+    if (!names) return PDYN_NO_MEMORY;
+    for (int s = 0; s < solids; s++) names[s] = scene->solid[s].name;
+    for (int b = 0; b < scene->bodies; b++)
+        if (scene->body[b].is_rigid) names[count++] = scene->body[b].name;
+    pdyn_status status =
+        count ? reader_choice(at, "solid or rigid body", names, count, &found)
+              : json_fail_at_key(at, "\"on\" needs a scene with a solid or a rigid body");
+    if (status == PDYN_OK && found < solids) probe->on_solid = found;
+    for (int b = 0; status == PDYN_OK && found >= solids && b < scene->bodies; b++)
+        if (scene->body[b].name == names[found]) probe->on_body = b;
+    FREE_ARRAY(r->context, names, solids + scene->bodies);
+    return status;
+}
 
 static pdyn_status read_target(struct reader *r, const struct json_at *at, const char *what,
                                int count, const char *(*name)(const struct scene *scene, int k),
@@ -122,7 +144,7 @@ static pdyn_status read_inside(struct reader *r, const struct json_at *at,
 
 static const struct {
     pdyn_status (*read)(struct reader *r, const struct json_at *at, struct scene_probe *probe);
-    bool of_fluid, has_radius;
+    bool of_fluid, has_radius; /* those of the fluid have a place */
 } kinds[PROBE_KINDS] = {
     {read_point, true, true},   {read_line, true, true},     {read_wall, true, true},
     {read_height, true, false}, {read_region, true, false},  {read_solid, false, false},
@@ -131,10 +153,11 @@ static const struct {
 pdyn_status scene_read_probe(struct reader *r, const struct json_at *at, int index) {
     static const char *const names[PROBE_KINDS] = {"point", "line", "wall",   "height", "box",
                                                    "solid", "pins", "inside", "body"};
-    static const char *const keys[] = {"name",  "point", "line", "wall",   "height", "box",
-                                       "solid", "pins",  "pin",  "inside", "body",   NULL};
+    static const char *const keys[] = {"name", "point", "line",   "wall", "height", "box", "solid",
+                                       "pins", "pin",   "inside", "body", "on",     NULL};
     struct scene_probe *probe = &r->scene->probe[index];
     struct json_at radius = json_member(at, "radius"), pin = json_member(at, "pin");
+    struct json_at on = json_member(at, "on");
     pdyn_status status = params_check_keys(at, scene_probe_params, keys);
     if (status == PDYN_OK) status = reader_name(r, at, "probe", index, &probe->name);
     if (status == PDYN_OK) status = params_read(at, scene_probe_params, NULL, probe);
@@ -148,6 +171,10 @@ pdyn_status scene_read_probe(struct reader *r, const struct json_at *at, int ind
         return json_fail_at_key(&radius, "\"radius\" needs a \"point\", \"line\" or \"wall\"");
     if (pin.value && probe->kind != PROBE_PINS)
         return json_fail_at_key(&pin, "\"pin\" needs \"pins\"");
-    status = kinds[probe->kind].read(r, &place, probe);
+    if (on.value && !kinds[probe->kind].of_fluid)
+        return json_fail_at_key(&on, "\"on\" needs a \"point\", \"line\", \"wall\", \"height\" or "
+                                     "\"box\"");
+    status = read_on(r, &on, probe);
+    if (status == PDYN_OK) status = kinds[probe->kind].read(r, &place, probe);
     return status == PDYN_OK && probe->kind == PROBE_PINS ? read_pin(r, &pin, probe) : status;
 }

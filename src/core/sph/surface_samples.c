@@ -192,6 +192,7 @@ static bool resize_arrays(struct surface_samples *s, enum array_action action) {
         ARRAY(s->weight, 3 * count),
         ARRAY(s->volume, count),
         ARRAY(s->rest_volume, count),
+        ARRAY(s->rest_area, count),
         ARRAY(s->share, count),
         ARRAY(s->active, count),
         ARRAY(s->corner, particles),
@@ -212,8 +213,7 @@ void samples_free(struct surface_samples *s) {
     FREE_ARRAY(s->context, s, 1);
 }
 
-/* Sets up the samples of one surface from index `first` on. Writes positions to s->x and areas to
- * s->volume. */
+/* Sets up the samples of one surface from index `first` on. Writes positions to s->x. */
 static void place(struct surface_samples *s, const pdyn_body *body,
                   const struct surface_points *points, int first) {
     for (int k = 0; k < points->count; k++) {
@@ -223,7 +223,7 @@ static void place(struct surface_samples *s, const pdyn_body *body,
         for (int m = 0; m < 3; m++) vertex[m] = body->first + corner[m];
         memcpy(s->weight + 3 * (first + k), point->weight, sizeof point->weight);
         surface_point_position(point, body->rest, body->triangle, s->x + 3 * (size_t)(first + k));
-        s->volume[first + k] = point->area;
+        s->rest_area[first + k] = point->area;
     }
 }
 
@@ -240,7 +240,7 @@ static pdyn_status fill(struct surface_samples *s, int bodies, const pdyn_body *
         if (body[b].tets) of_body.thickness = 0.0;
         place(s, &body[b], &points[b], first);
         status = boundary_volumes(s->context, &of_body, points[b].count, s->x + 3 * (size_t)first,
-                                  s->volume + first, s->rest_volume + first);
+                                  s->rest_area + first, s->rest_volume + first);
         for (int k = first; body[b].permeability > 0.0 && k < first + points[b].count; k++)
             s->rest_volume[k] *= open_share;
     }

@@ -19,6 +19,7 @@ struct surface_samples {
     double *weight;      /* count x 3: barycentric coordinates */
     double *volume;      /* count, m^3: current volume in SPH sums (boundary.h) */
     double *rest_volume; /* count, m^3: volume at rest */
+    double *rest_area;   /* count, m^2: area at rest of the surface that the sample represents */
     double *share;       /* count, m: volume over the area of the sample's triangle; constant */
     int active_count;    /* samples that appear in at least one neighbour list */
     int *active;         /* active_count: their indices */

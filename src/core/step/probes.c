@@ -5,7 +5,8 @@
 #include "fluid_at.h"
 #include "forces.h"
 #include "live_particles.h"
-#include "scene/poses.h"
+#include "probe_place.h"
+#include "probe_wall.h"
 
 #include "projdyn/vec3.h"
 
@@ -14,75 +15,26 @@
 
 /* ---- what probes measure --------------------------------------------------------------------- */
 
-typedef void measure_fn(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out);
+typedef void measure_fn(const struct pdyn_sim *sim, const struct probe_place *place, double *out);
 
 static double radius_of(const struct pdyn_sim *sim, const struct scene_probe *probe) {
     return probe->radius > 0.0 ? probe->radius : 2.0 * sim_spacing(sim);
 }
 
-static void measure_points(const struct pdyn_sim *sim, const struct scene_probe *probe,
+static void measure_points(const struct pdyn_sim *sim, const struct probe_place *place,
                            double *out) {
-    double radius = radius_of(sim, probe);
-    for (int k = 0; k < probe->at.count; k++)
-        fluid_at_fit(sim, probe->at.x + 3 * (size_t)k, radius, out + FLUID_VALUES * k);
+    double radius = radius_of(sim, place->probe);
+    for (int k = 0; k < place->probe->at.count; k++)
+        fluid_at_fit(sim, place->x + 3 * (size_t)k, radius, out + FLUID_VALUES * k);
 }
 
-/* The normal of boundary point k where its solid is. */
-static void turned_normal(const struct pdyn_sim *sim, int k, double normal[3]) {
-    const struct boundary_point *point = &sim->boundary.point[k];
-    const struct scene_motion *motion = &sim->scene.solid[point->solid].motion;
-    memcpy(normal, point->normal, sizeof point->normal);
-    if (!motion->keys) return;
-    struct pose pose = pose_at(motion, sim->time);
-    transform_directions(&pose.at, normal, 1);
+static void measure_wall(const struct pdyn_sim *sim, const struct probe_place *place, double *out) {
+    *out = probe_wall_pressure(sim, place, radius_of(sim, place->probe));
 }
 
-/* The normal of the wall at a place: of the boundary point within the radius whose plane is nearest
- * to the place. Both faces of a thin wall may have points within the radius. 0: there is none. */
-static void wall_normal(const struct pdyn_sim *sim, const struct scene_probe *probe,
-                        double normal[3]) {
-    double radius = radius_of(sim, probe), nearest = INFINITY;
-    normal[0] = normal[1] = normal[2] = 0.0;
-    for (int k = 0; k < sim->boundary.at.count; k++) {
-        double d[3], n[3];
-        vec3_subtract(d, sim->boundary.at.x + 3 * (size_t)k, probe->at.x);
-        if (!(vec3_length(d) < radius)) continue;
-        turned_normal(sim, k, n);
-        if (vec3_dot(n, n) == 0.0 || fabs(vec3_dot(n, d)) >= nearest) continue;
-        nearest = fabs(vec3_dot(n, d));
-        memcpy(normal, n, sizeof n);
-    }
-}
-
-/* The area of the boundary points near a place, m^2, and the force on them, N, with weights
- * 1 - distance^2 / radius^2. Points whose normal is more than 60 degrees from that of the wall do
- * not count: they are on its other face, or around a corner. */
-static double near_area(const struct pdyn_sim *sim, const struct scene_probe *probe,
-                        double force[3]) {
-    double radius = radius_of(sim, probe), area = 0.0, wall[3];
-    force[0] = force[1] = force[2] = 0.0;
-    wall_normal(sim, probe, wall);
-    for (int k = 0; k < sim->boundary.at.count; k++) {
-        double d = vec3_distance(sim->boundary.at.x + 3 * (size_t)k, probe->at.x) / radius, n[3];
-        if (!(d < 1.0)) continue;
-        turned_normal(sim, k, n);
-        if (vec3_dot(n, wall) < 0.5) continue;
-        area += (1.0 - d * d) * sim->boundary.point[k].area;
-        vec3_add(force, 1.0 - d * d, sim->loads->force + 3 * (size_t)k);
-    }
-    return area;
-}
-
-static void measure_wall(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out) {
-    double force[3];
-    solid_load_compute(sim);
-    double area = near_area(sim, probe, force);
-    *out = area > 0.0 ? vec3_length(force) / area : 0.0;
-}
-
-static void measure_height(const struct pdyn_sim *sim, const struct scene_probe *probe,
+static void measure_height(const struct pdyn_sim *sim, const struct probe_place *place,
                            double *out) {
-    *out = fluid_at_height(sim, probe->at.x);
+    *out = fluid_at_height(sim, place->x);
 }
 
 static bool is_fluid(const struct pdyn_sim *sim, int i) {
@@ -91,11 +43,12 @@ static bool is_fluid(const struct pdyn_sim *sim, int i) {
 }
 
 /* The volume of all fluids in the box, and its mean velocity. */
-static void measure_box(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out) {
+static void measure_box(const struct pdyn_sim *sim, const struct probe_place *place, double *out) {
     double spacing = sim_spacing(sim), count = 0.0, sum[3] = {0};
     for (int i = 0; i < sim->objective.particles; i++) {
-        const double *x = sim->x + 3 * (size_t)i;
-        if (!box_contains(&probe->box, x) || !is_fluid(sim, i)) continue;
+        double x[3];
+        probe_place_return(place, sim->x + 3 * (size_t)i, x);
+        if (!box_contains(&place->probe->box, x) || !is_fluid(sim, i)) continue;
         count++;
         vec3_add(sum, 1.0, sim->v + 3 * (size_t)i);
     }
@@ -108,19 +61,19 @@ static void copy_load(const struct solid_load *load, double *out) {
     memcpy(out + 3, load->moment, sizeof load->moment);
 }
 
-static void measure_solid(const struct pdyn_sim *sim, const struct scene_probe *probe,
+static void measure_solid(const struct pdyn_sim *sim, const struct probe_place *place,
                           double *out) {
-    copy_load(solid_load_compute(sim) + probe->target, out);
+    copy_load(solid_load_compute(sim) + place->probe->target, out);
 }
 
 /* The force of all pins of a body, or of one. */
-static void measure_pins(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out) {
+static void measure_pins(const struct pdyn_sim *sim, const struct probe_place *place, double *out) {
     struct solid_load load = {{0}, {0}};
     for (int k = 0, pin = 0; k < sim->constraints; k++) {
         const struct batch *b = sim->objective.batch[k];
-        if (!(b->type->flags & PDYN_REACTION) || b->view.body != &sim->body[probe->target])
+        if (!(b->type->flags & PDYN_REACTION) || b->view.body != &sim->body[place->probe->target])
             continue;
-        if (probe->pin < 0 || probe->pin == pin) forces_add_load(sim, k, &load);
+        if (place->probe->pin < 0 || place->probe->pin == pin) forces_add_load(sim, k, &load);
         pin++;
     }
     copy_load(&load, out);
@@ -128,9 +81,9 @@ static void measure_pins(const struct pdyn_sim *sim, const struct scene_probe *p
 
 /* The volume V inside a surface, and the pressure p of its filling above that outside: its forces
  * are p grad V, and grad V . x = 3 V. */
-static void measure_inside(const struct pdyn_sim *sim, const struct scene_probe *probe,
+static void measure_inside(const struct pdyn_sim *sim, const struct probe_place *place,
                            double *out) {
-    const pdyn_body *body = &sim->body[probe->target];
+    const pdyn_body *body = &sim->body[place->probe->target];
     double virial = 0.0;
     for (int k = 0; k < sim->constraints; k++) {
         const struct batch *b = sim->objective.batch[k];
@@ -142,8 +95,8 @@ static void measure_inside(const struct pdyn_sim *sim, const struct scene_probe 
 }
 
 /* The force of all constraints on a body, and its moment about the origin. */
-static void measure_body(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out) {
-    const struct objective_body *body = &sim->objective.body[probe->target];
+static void measure_body(const struct pdyn_sim *sim, const struct probe_place *place, double *out) {
+    const struct objective_body *body = &sim->objective.body[place->probe->target];
     struct solid_load load = {{0}, {0}};
     for (int i = body->first; i < body->first + body->count; i++)
         solid_load_add(&load, sim->x + 3 * (size_t)i, sim->probes->force + 3 * (size_t)i);
@@ -218,27 +171,57 @@ static bool has_body_probe(const struct scene *scene) {
     return false;
 }
 
+static bool has_wall_of_body(const struct scene *scene) {
+    for (int k = 0; k < scene->probes; k++)
+        if (scene->probe[k].kind == PROBE_WALL && scene->probe[k].on_body >= 0) return true;
+    return false;
+}
+
+static int count_points(const struct scene *scene) {
+    int points = 0;
+    for (int k = 0; k < scene->probes; k++) points += scene->probe[k].at.count;
+    return points;
+}
+
 static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
     struct probes *p = sim->probes;
     size_t vector = has_body_probe(&sim->scene) ? VECTOR_LENGTH(sim->objective.particles) : 0;
+    size_t samples = sim->samples && has_wall_of_body(&sim->scene) ? sim->samples->count : 0;
     const struct array_entry table[] = {
-        ARRAY(p->probe, p->count),   ARRAY(p->value, p->values),
-        ARRAY(p->now, p->values),    ARRAY(p->text, PROBE_COLUMN * (size_t)p->values),
-        ARRAY(p->column, p->values), ARRAY(p->force, vector),
+        ARRAY(p->probe, p->count),
+        ARRAY(p->value, p->values),
+        ARRAY(p->now, p->values),
+        ARRAY(p->text, PROBE_COLUMN * (size_t)p->values),
+        ARRAY(p->column, p->values),
+        ARRAY(p->force, vector),
+        ARRAY(p->place, p->count),
+        ARRAY(p->x, 3 * (size_t)count_points(&sim->scene)),
+        ARRAY(p->sample_force, 3 * samples),
     };
     return context_arrays(sim->context, table, ARRAY_ROWS(table), action);
 }
 
+static void start_places(struct pdyn_sim *sim) {
+    struct probes *p = sim->probes;
+    double *x = p->x;
+    for (int k = 0; k < p->count; x += 3 * (size_t)sim->scene.probe[k++].at.count)
+        probe_place_start(sim, &sim->scene.probe[k], x, &p->place[k]);
+}
+
 static pdyn_status check_walls(const struct pdyn_sim *sim) {
-    double force[3];
     for (int k = 0; k < sim->scene.probes; k++) {
         const struct scene_probe *probe = &sim->scene.probe[k];
-        if (probe->kind == PROBE_WALL && near_area(sim, probe, force) == 0.0)
-            return context_fail(sim->context, PDYN_BAD_INPUT,
-                                "probe \"%s\": expected a wall of a solid within %g m of (%g, %g, "
-                                "%g)",
-                                probe->name, radius_of(sim, probe), probe->at.x[0], probe->at.x[1],
-                                probe->at.x[2]);
+        if (probe->kind != PROBE_WALL ||
+            probe_wall_exists(sim, &sim->probes->place[k], radius_of(sim, probe)))
+            continue;
+        const char *name = probe->on_solid >= 0  ? sim->scene.solid[probe->on_solid].name
+                           : probe->on_body >= 0 ? sim->scene.body[probe->on_body].name
+                                                 : NULL;
+        return context_fail(sim->context, PDYN_BAD_INPUT,
+                            "probe \"%s\": expected a wall of %s%s%s within %g m of (%g, %g, %g)",
+                            probe->name, name ? "\"" : "a solid", name ? name : "",
+                            name ? "\"" : "", radius_of(sim, probe), probe->at.x[0], probe->at.x[1],
+                            probe->at.x[2]);
     }
     return PDYN_OK;
 }
@@ -251,6 +234,7 @@ pdyn_status probes_create(struct pdyn_sim *sim) {
     for (int k = 0; k < p->count; k++) p->values += values_of(&sim->scene.probe[k]);
     if (!resize_arrays(sim, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     list_columns(p, &sim->scene);
+    start_places(sim);
     return check_walls(sim);
 }
 
@@ -271,10 +255,12 @@ void probes_step(struct pdyn_sim *sim, double h) {
     struct probes *p = sim->probes;
     double *now = p ? p->now : NULL, *value = p ? p->value : NULL;
     if (p && p->force) forces_sum(sim, p->force);
+    if (p && p->sample_force) probe_wall_sum(sim);
     for (int k = 0; p && k < p->count; k++) {
         const struct scene_probe *from = &sim->scene.probe[k];
         double part = part_of(from, h, sim->steps);
-        kinds[from->kind].measure(sim, from, now);
+        probe_place_move(sim, &p->place[k]);
+        kinds[from->kind].measure(sim, &p->place[k], now);
         for (int m = 0; m < p->probe[k].values; m++, value++, now++)
             *value = part == 1.0 ? *now : *value + part * (*now - *value);
     }

@@ -6,6 +6,7 @@
 #include "projdyn/probe.h"
 
 struct pdyn_sim;
+struct probe_place;
 
 enum { PROBE_COLUMN = 96 }; /* bytes of the name of a column */
 
@@ -16,8 +17,12 @@ struct probes {
     double *now;            /* values: without the mean over time */
     double *force; /* particles x 3, N: of all constraints, in the last step. NULL: no probe of a
                       body */
-    char *text;    /* values x PROBE_COLUMN */
-    const char **column; /* values: pointers into text */
+    struct probe_place *place; /* count: where they are now */
+    double *x;                 /* points of all probes x 3, m: the places' points */
+    double *sample_force; /* samples x 3, N: of the fluids, in the last step. NULL: no probe of a
+                             wall of a rigid body */
+    char *text;           /* values x PROBE_COLUMN */
+    const char **column;  /* values: pointers into text */
 };
 
 /* sim->probes stays NULL in a scene without probes. */
