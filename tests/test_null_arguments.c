@@ -136,6 +136,12 @@ static pdyn_status resume_writer(pdyn_sim *of, const char *directory) {
     X(pdyn_constraint_load(NULL, 0, force, moment))                                                \
     X(pdyn_constraint_load(sim, 0, NULL, moment))                                                  \
     X(pdyn_constraint_load(sim, 0, force, NULL))                                                   \
+    X(pdyn_solid_load_by(NULL, 0, PDYN_LOAD_FLUID, force, moment))                                 \
+    X(pdyn_solid_load_by(sim, 0, PDYN_LOAD_FLUID, NULL, moment))                                   \
+    X(pdyn_solid_load_by(sim, 0, PDYN_LOAD_FLUID, force, NULL))                                    \
+    X(pdyn_body_load_by(NULL, 0, PDYN_LOAD_FLUID, force, moment))                                  \
+    X(pdyn_body_load_by(sim, 0, PDYN_LOAD_FLUID, NULL, moment))                                    \
+    X(pdyn_body_load_by(sim, 0, PDYN_LOAD_FLUID, force, NULL))                                     \
     X(pdyn_contact_forces(NULL, force))                                                            \
     X(pdyn_contact_forces(sim, NULL))                                                              \
     X(pdyn_element_values(NULL, 0, force, force))                                                  \

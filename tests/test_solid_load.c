@@ -339,6 +339,69 @@ static void test_threads(void **state) {
     }
 }
 
+/* ---- sources --------------------------------------------------------------------------------- */
+
+/* A block of twice the density of water stands on the floor of a tank of water. */
+#define SUNK                                                                                       \
+    "{'name': 'block', 'rigid': {'box': {'minimum': [0.1, 0.002, 0.1], 'maximum': [0.2, 0.102, "   \
+    "0.2]}, 'density': 2000}}"
+#define BY(kind, name, source)                                                                     \
+    "{'name': '" name "_" source "', '" kind "': '" name "', 'source': '" source "'}"
+static const char *sunk(void) {
+    return scene(
+        SOLVED
+        ", 'contact': {'thickness': 0.002}, 'probes': [" BY("solid", "tank", "fluid") ", " BY(
+            "solid", "tank", "contact") ", " BY("body", "block", "fluid") ", " BY("body", "block",
+                                                                                  "contact") "]",
+        POOL("{'minimum': [0, 0, 0], 'maximum': [0.3, 0.2, 0.3]}", "'viscosity': 0.3") ", " SUNK,
+        TANK);
+}
+
+static struct total load_by(const pdyn_sim *sim, bool body, pdyn_load_source source) {
+    struct total load;
+    assert_int_equal((body ? pdyn_body_load_by(sim, 1, source, load.force, load.moment)
+                           : pdyn_solid_load_by(sim, 0, source, load.force, load.moment)),
+                     PDYN_OK);
+    return load;
+}
+
+static void assert_sum(const struct total *a, const struct total *b, const struct total *sum) {
+    for (int k = 0; k < 3; k++) {
+        assert_true(fabs(a->force[k] + b->force[k] - sum->force[k]) < 1e-7);
+        assert_true(fabs(a->moment[k] + b->moment[k] - sum->moment[k]) < 1e-7);
+    }
+}
+
+/* Fluid and contact sum to the load; contact of two is opposite; probes have the same numbers. At
+ * rest the floor carries the weight and the water above the block, as no water is below. */
+static void test_sources(void **state) {
+    (void)state;
+    pdyn_sim *sim = test_load(context, sunk());
+    struct total by[2][3], mean = {{0}, {0}};
+    int steps = 0;
+    while (pdyn_time(sim) < 0.6) {
+        test_step(context, sim);
+        for (int k = 0; k < 6; k++) by[k / 3][k % 3] = load_by(sim, k / 3, k % 3);
+        for (int k = 0; k < 2; k++)
+            assert_sum(&by[k][PDYN_LOAD_FLUID], &by[k][PDYN_LOAD_CONTACT], &by[k][PDYN_LOAD_ALL]);
+        for (int a = 0; a < 3; a++)
+            assert_true(
+                fabs(by[0][PDYN_LOAD_CONTACT].force[a] + by[1][PDYN_LOAD_CONTACT].force[a]) < 1e-7);
+        for (int k = 0; k < 4; k++)
+            assert_memory_equal(pdyn_get_probe(sim, k).value, &by[k / 2][1 + k % 2],
+                                sizeof(struct total));
+        if (pdyn_time(sim) < 0.4) continue;
+        steps++;
+        vec3_add(mean.force, 1.0, by[1][PDYN_LOAD_FLUID].force);
+        vec3_add(mean.moment, 1.0, by[1][PDYN_LOAD_CONTACT].force);
+    }
+    double fluid = mean.force[1] / steps, floor = mean.moment[1] / steps;
+    print_message("block of %.2f N: fluid %.2f N, floor %.2f N\n", 2.0 * G, fluid, floor);
+    assert_true(fabs(fluid + floor - 2.0 * G) < 0.05 * G);
+    assert_true(floor > 0.5 * G && fabs(fluid) > 0.1 * G);
+    pdyn_free(sim);
+}
+
 static void assert_zero(const pdyn_sim *sim) {
     struct total load = {{1, 1, 1}, {1, 1, 1}}, none = {{0}, {0}};
     get(sim, 1, &load);
@@ -358,6 +421,10 @@ static void test_calls(void **state) {
     assert_int_equal(pdyn_solid_load(sim, 0, v, NULL), PDYN_BAD_CALL);
     assert_int_equal(pdyn_solid_load(sim, -1, v, w), PDYN_BAD_CALL);
     assert_int_equal(pdyn_solid_load(sim, 2, v, w), PDYN_BAD_CALL);
+    assert_int_equal(pdyn_solid_load_by(sim, 0, 3, v, w), PDYN_BAD_CALL);
+    assert_int_equal(pdyn_solid_load_by(sim, 2, PDYN_LOAD_FLUID, v, w), PDYN_BAD_CALL);
+    assert_int_equal(pdyn_body_load_by(sim, 99, PDYN_LOAD_FLUID, v, w), PDYN_BAD_CALL);
+    assert_int_equal(pdyn_body_load_by(sim, 0, -1, v, w), PDYN_BAD_CALL);
     assert_zero(sim);
     for (int n = 0; n < 15; n++) test_step(context, sim);
     test_allow(&counter, 0);
@@ -395,7 +462,7 @@ int main(void) {
         cmocka_unit_test(test_impacts),   cmocka_unit_test(test_obstacle),
         cmocka_unit_test(test_buoyancy),  cmocka_unit_test(test_floor),
         cmocka_unit_test(test_threads),   cmocka_unit_test(test_calls),
-        cmocka_unit_test(test_untouched),
+        cmocka_unit_test(test_untouched), cmocka_unit_test(test_sources),
     };
     return cmocka_run_group_tests_name("solid_load", tests, scene_set_up, scene_tear_down);
 }

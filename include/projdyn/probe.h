@@ -32,6 +32,27 @@ PDYN_API pdyn_status pdyn_constraint_load(const pdyn_sim *sim, int constraint, d
                                           double moment[3]);
 /* Forces of contact, friction, and friction with the fluid, N, particles x 3. */
 PDYN_API pdyn_status pdyn_contact_forces(const pdyn_sim *sim, double *force);
+/* The load on a solid or a body at the end of the last step by one source: force, N, and moment,
+ * N m, about the origin of the world.
+ *
+ *     ALL      solid: the sum of the other two (pdyn_solid_load); body: all constraints, its own
+ *              among them, and contact: everything but gravity and applied forces
+ *     FLUID    constraints on neighbour lists, such as pressure, shear by no_slip and surface
+ *              tension; on a surface also fluid_friction and seepage
+ *     CONTACT  contact, friction and damping with surfaces, bodies and solids; also particles of a
+ *              fluid that contact keeps off a surface
+ *
+ * On a body they are the sums of its particles' forces. PDYN_BAD_CALL: an argument is NULL, or
+ * there is no such solid, body or source. */
+typedef enum pdyn_load_source {
+    PDYN_LOAD_ALL,
+    PDYN_LOAD_FLUID,
+    PDYN_LOAD_CONTACT,
+} pdyn_load_source;
+PDYN_API pdyn_status pdyn_solid_load_by(const pdyn_sim *sim, int solid, pdyn_load_source source,
+                                        double force[3], double moment[3]);
+PDYN_API pdyn_status pdyn_body_load_by(const pdyn_sim *sim, int body, pdyn_load_source source,
+                                       double force[3], double moment[3]);
 /* Values of each element of a constraint, without its damping; pdyn_constraint_info.elements now,
  * as some types have another number after each step. NULL: not wanted. energy, J. distance: |G x -
  * p|, from the element to its manifold, in the unit of its rows: the change of length of a spring,

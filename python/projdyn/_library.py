@@ -85,6 +85,8 @@ FUNCTIONS = {
     "pdyn_constraint_forces": (Status, Sim, c_int, Doubles),
     "pdyn_constraint_load": (Status, Sim, c_int, Doubles, Doubles),
     "pdyn_contact_forces": (Status, Sim, Doubles),
+    "pdyn_solid_load_by": (Status, Sim, c_int, c_int, Doubles, Doubles),
+    "pdyn_body_load_by": (Status, Sim, c_int, c_int, Doubles, Doubles),
     "pdyn_element_values": (Status, Sim, c_int, Doubles, Doubles),
     "pdyn_fluid_at": (Status, Sim, c_int, Doubles, Doubles, Doubles),
     "pdyn_get_probe_sized": (None, Sim, c_int, POINTER(ProbeInfo), c_size_t),

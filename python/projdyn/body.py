@@ -13,6 +13,7 @@ from ._library import lib
 from ._structs import BodyInfo
 from .errors import InputError
 from .inlet import Inlet
+from .solid import Load, load_by
 
 POINTS = 4  # of a rigid body, which have its mass, behind its vertices
 
@@ -96,6 +97,11 @@ class Body(Fixed):
     def residual(self) -> float:
         """|grad E| over weight (or impact) and load of its particles, at the end of the last step."""
         return self._info().residual
+
+    def load(self, source: Optional[str] = None) -> Load:
+        """Force and moment on the body at the end of the last step, of all but gravity and applied
+        forces. "fluid" or "contact": the part by this source."""
+        return load_by(self._handle, lib.pdyn_body_load_by, self._index, source)
 
     # ---- between two steps ----------------------------------------------------------------------
 

@@ -1,7 +1,7 @@
 """Solids: the load on them, and their motion."""
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
 
@@ -9,12 +9,24 @@ from ._arrays import address, doubles, number
 from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
+from .errors import InputError
 
 
 class Load(NamedTuple):
     """Force, N, and moment about the origin of the world, N m, three numbers each."""
     force: np.ndarray
     moment: np.ndarray
+
+
+def load_by(handle: Handle, function: Callable[..., int], index: int,
+            source: Optional[str]) -> Load:
+    """The load on a solid or a body by a source; None: by all of them."""
+    sources = (None, "fluid", "contact")  # the order of pdyn_load_source
+    if source not in sources:
+        raise InputError(f'source: expected "fluid", "contact" or None, found {source!r}')
+    force, moment = np.empty(3), np.empty(3)
+    handle.call(function, index, sources.index(source), address(force), address(moment))
+    return Load(force, moment)
 
 
 class Solid(Fixed):
@@ -27,11 +39,10 @@ class Solid(Fixed):
     def __repr__(self) -> str:
         return f"<solid {self.name}>"
 
-    def load(self) -> Load:
-        """The load at the end of the last step: pressure of the fluid, contact and friction."""
-        force, moment = np.empty(3), np.empty(3)
-        self._handle.call(lib.pdyn_solid_load, self._index, address(force), address(moment))
-        return Load(force, moment)
+    def load(self, source: Optional[str] = None) -> Load:
+        """The load at the end of the last step: pressure and shear of the fluid, contact and
+        friction. "fluid" or "contact": the part by this source."""
+        return load_by(self._handle, lib.pdyn_solid_load_by, self._index, source)
 
     def move(self, time: float, translate: Any = (0, 0, 0), rotate: Any = (0, 0, 0)) -> None:
         """Moves the solid evenly so that at `time`, s, it has this pose, in which it rests.

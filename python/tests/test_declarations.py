@@ -18,7 +18,7 @@ STRUCTS = {"pdyn_options": _structs.Options, "pdyn_step_info": _structs.StepInfo
            "pdyn_probe_info": _structs.ProbeInfo}
 PLAIN = {"double": ctypes.c_double, "int": ctypes.c_int, "bool": ctypes.c_bool,
          "long": ctypes.c_long, "size_t": ctypes.c_size_t, "uint64_t": ctypes.c_uint64,
-         "void": None, "pdyn_status": ctypes.c_int}
+         "void": None, "pdyn_status": ctypes.c_int, "pdyn_load_source": ctypes.c_int}
 
 
 def kind(declared):

@@ -39,6 +39,25 @@ class Probes(unittest.TestCase):
         self.assertNotEqual(viscosity.elements, before)
         self.assertEqual(viscosity.energies().shape, (viscosity.elements,))
 
+    def test_loads_by_source(self):
+        """A sheet falls onto the floor of a tank without water: all of its load is contact."""
+        scene = projdyn.Scene(duration=1, threads=1, contact={"thickness": 0.01})
+        scene.add_cloth(grid={"size": [0.4, 0.4], "vertices": [5, 5]}, translate=[0, 0.011, 0],
+                        name="sheet", area_density=1, spring={"stretching_stiffness": 500})
+        scene.add_solid(name="floor", box=([-1, -1, -1], [1, 0, 1]))
+        sim = scene.load()
+        for _ in sim.run(until=0.2):
+            pass
+        floor, sheet = sim.solids["floor"], sim.bodies["sheet"]
+        self.assertLess(floor.load("contact").force[1], -1)
+        np.testing.assert_array_equal(floor.load("contact").force, floor.load().force)
+        np.testing.assert_array_equal(floor.load("fluid").force, 0)
+        np.testing.assert_allclose(sheet.load("contact").force, -floor.load().force, atol=1e-9)
+        np.testing.assert_allclose(sheet.load().force, -floor.load().force, atol=1e-9)
+        np.testing.assert_array_equal(sheet.load("fluid").moment, 0)
+        with self.assertRaisesRegex(projdyn.InputError, 'expected "fluid", "contact" or None'):
+            floor.load("water")
+
     def test_water(self):
         sim = tank_of_water(probes=[{"name": "deep", "point": [0.12, 0.05, 0.12]},
                                     {"name": "walls", "solid": "tank"}]).load()

@@ -258,7 +258,7 @@ static json_t *solid(const struct scene_solid *s, const struct solid_load *load)
 }
 
 static json_t *solids(const pdyn_sim *sim) {
-    const struct solid_load *loads = solid_load_compute(sim);
+    const struct solid_load *loads = solid_load_compute(sim, PDYN_LOAD_ALL);
     json_t *list = json_array();
     for (int k = 0; list && k < sim->scene.solids; k++)
         if (json_array_append_new(list, solid(&sim->scene.solid[k], loads ? loads + k : NULL)))

@@ -147,6 +147,7 @@ struct scene_probe {
     struct box box;       /* of PROBE_BOX, at time 0 */
     int target;           /* index of the solid, or of the body */
     int pin;              /* of PROBE_PINS: number among the pins of the body; -1: all */
+    int source;           /* enum pdyn_load_source: of PROBE_SOLID and PROBE_BODY */
     int on_solid;         /* the solid that carries the place; -1: none */
     int on_body;          /* the rigid body that carries the place; -1: none */
     double radius;        /* m: particles and boundary points within it count; 0: two spacings */

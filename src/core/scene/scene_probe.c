@@ -2,6 +2,7 @@
 #include "params.h"
 #include "reader.h"
 
+#include "projdyn/probe.h"
 #include "projdyn/vec3.h"
 
 #include <string.h>
@@ -137,6 +138,18 @@ static pdyn_status read_pin(const struct reader *r, const struct json_at *at,
     return at->value ? params_int(at, 0, pins - 1, &probe->pin) : PDYN_OK;
 }
 
+/* "source": what a load counts. */
+static pdyn_status read_source(const struct json_at *at, struct scene_probe *probe) {
+    static const char *const names[] = {"fluid", "contact"};
+    if (!at->value) return PDYN_OK;
+    if (probe->kind != PROBE_SOLID && probe->kind != PROBE_BODY)
+        return json_fail_at_key(at, "\"source\" needs a \"solid\" or \"body\"");
+    int found;
+    pdyn_status status = reader_choice(at, "source", names, 2, &found);
+    probe->source = found ? PDYN_LOAD_CONTACT : PDYN_LOAD_FLUID;
+    return status;
+}
+
 static pdyn_status read_inside(struct reader *r, const struct json_at *at,
                                struct scene_probe *probe) {
     return read_body_with(r, at, PDYN_ON_CLOSED, "gas", probe);
@@ -153,11 +166,12 @@ static const struct {
 pdyn_status scene_read_probe(struct reader *r, const struct json_at *at, int index) {
     static const char *const names[PROBE_KINDS] = {"point", "line", "wall",   "height", "box",
                                                    "solid", "pins", "inside", "body"};
-    static const char *const keys[] = {"name", "point", "line",   "wall", "height", "box", "solid",
-                                       "pins", "pin",   "inside", "body", "on",     NULL};
+    static const char *const keys[] = {"name", "point", "line",   "wall", "height",
+                                       "box",  "solid", "pins",   "pin",  "inside",
+                                       "body", "on",    "source", NULL};
     struct scene_probe *probe = &r->scene->probe[index];
     struct json_at radius = json_member(at, "radius"), pin = json_member(at, "pin");
-    struct json_at on = json_member(at, "on");
+    struct json_at on = json_member(at, "on"), source = json_member(at, "source");
     pdyn_status status = params_check_keys(at, scene_probe_params, keys);
     if (status == PDYN_OK) status = reader_name(r, at, "probe", index, &probe->name);
     if (status == PDYN_OK) status = params_read(at, scene_probe_params, NULL, probe);
@@ -175,6 +189,7 @@ pdyn_status scene_read_probe(struct reader *r, const struct json_at *at, int ind
         return json_fail_at_key(&on, "\"on\" needs a \"point\", \"line\", \"wall\", \"height\" or "
                                      "\"box\"");
     status = read_on(r, &on, probe);
+    if (status == PDYN_OK) status = read_source(&source, probe);
     if (status == PDYN_OK) status = kinds[probe->kind].read(r, &place, probe);
     return status == PDYN_OK && probe->kind == PROBE_PINS ? read_pin(r, &pin, probe) : status;
 }

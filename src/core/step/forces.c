@@ -69,6 +69,18 @@ static bool is_any(const struct batch *batch, const struct batch *none) {
     return true;
 }
 
+/* Whether a batch is of PDYN_LOAD_FLUID. */
+static bool is_of_fluid(const struct batch *batch, const struct batch *none) {
+    (void)none;
+    return needs_neighbour_lists(batch->type) || batch->type == &pdyn_constraint_slip ||
+           batch->type == &pdyn_constraint_seepage;
+}
+
+/* Whether a batch is of PDYN_LOAD_CONTACT. */
+static bool is_of_contact_alone(const struct batch *batch, const struct batch *none) {
+    return is_of_contact(batch, none) && !is_of_fluid(batch, none);
+}
+
 /* force = the sum over the chosen batches; 0 while forces are unknown. */
 static void sum_forces(const struct pdyn_sim *sim, choose_fn *choose,
                        const struct batch *constraint, double *force) {
@@ -116,7 +128,18 @@ void forces_add_load(const struct pdyn_sim *sim, int k, struct solid_load *load)
                                                                          load);
 }
 
-void forces_sum(const struct pdyn_sim *sim, double *force) { sum_forces(sim, is_any, NULL, force); }
+void forces_sum(const struct pdyn_sim *sim, pdyn_load_source source, double *force) {
+    static choose_fn *const choose[LOAD_SOURCES] = {is_any, is_of_fluid, is_of_contact_alone};
+    sum_forces(sim, choose[source], NULL, force);
+}
+
+struct solid_load forces_load_on(const struct pdyn_sim *sim, int b, const double *force) {
+    const struct objective_body *body = &sim->objective.body[b];
+    struct solid_load load = {{0}, {0}};
+    for (int i = body->first; i < body->first + body->count; i++)
+        solid_load_add(&load, sim->x + 3 * (size_t)i, force + 3 * (size_t)i);
+    return load;
+}
 
 double forces_virial(const struct pdyn_sim *sim, int k) {
     const struct batch *b = sim->objective.batch[k];

@@ -139,7 +139,7 @@ double probe_wall_pressure(const struct pdyn_sim *sim, const struct probe_place 
                            double radius) {
     struct wall wall = wall_at(sim, place, radius);
     double force[3] = {0};
-    solid_load_compute(sim);
+    solid_load_compute(sim, PDYN_LOAD_FLUID);
     double area = near_area(&wall, force);
     return area > 0.0 ? vec3_length(force) / area : 0.0;
 }

@@ -63,7 +63,8 @@ static void copy_load(const struct solid_load *load, double *out) {
 
 static void measure_solid(const struct pdyn_sim *sim, const struct probe_place *place,
                           double *out) {
-    copy_load(solid_load_compute(sim) + place->probe->target, out);
+    const struct scene_probe *probe = place->probe;
+    copy_load(solid_load_compute(sim, probe->source) + probe->target, out);
 }
 
 /* The force of all pins of a body, or of one. */
@@ -94,12 +95,10 @@ static void measure_inside(const struct pdyn_sim *sim, const struct probe_place 
     out[1] = out[0] > 0.0 ? virial / (3.0 * out[0]) : 0.0;
 }
 
-/* The force of all constraints on a body, and its moment about the origin. */
+/* The force by a source on a body, and its moment about the origin. */
 static void measure_body(const struct pdyn_sim *sim, const struct probe_place *place, double *out) {
-    const struct objective_body *body = &sim->objective.body[place->probe->target];
-    struct solid_load load = {{0}, {0}};
-    for (int i = body->first; i < body->first + body->count; i++)
-        solid_load_add(&load, sim->x + 3 * (size_t)i, sim->probes->force + 3 * (size_t)i);
+    const struct scene_probe *probe = place->probe;
+    struct solid_load load = forces_load_on(sim, probe->target, sim->probes->force[probe->source]);
     copy_load(&load, out);
 }
 
@@ -165,10 +164,12 @@ static void list_columns(struct probes *p, const struct scene *scene) {
     }
 }
 
-static bool has_body_probe(const struct scene *scene) {
-    for (int k = 0; k < scene->probes; k++)
-        if (scene->probe[k].kind == PROBE_BODY) return true;
-    return false;
+/* The numbers of a vector of forces by a source; 0: no probe of a body needs it. */
+static size_t force_numbers(const struct pdyn_sim *sim, int source) {
+    for (int k = 0; k < sim->scene.probes; k++)
+        if (sim->scene.probe[k].kind == PROBE_BODY && sim->scene.probe[k].source == source)
+            return VECTOR_LENGTH(sim->objective.particles);
+    return 0;
 }
 
 static bool has_wall_of_body(const struct scene *scene) {
@@ -185,7 +186,6 @@ static int count_points(const struct scene *scene) {
 
 static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
     struct probes *p = sim->probes;
-    size_t vector = has_body_probe(&sim->scene) ? VECTOR_LENGTH(sim->objective.particles) : 0;
     size_t samples = sim->samples && has_wall_of_body(&sim->scene) ? sim->samples->count : 0;
     const struct array_entry table[] = {
         ARRAY(p->probe, p->count),
@@ -193,7 +193,9 @@ static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
         ARRAY(p->now, p->values),
         ARRAY(p->text, PROBE_COLUMN * (size_t)p->values),
         ARRAY(p->column, p->values),
-        ARRAY(p->force, vector),
+        ARRAY(p->force[PDYN_LOAD_ALL], force_numbers(sim, PDYN_LOAD_ALL)),
+        ARRAY(p->force[PDYN_LOAD_FLUID], force_numbers(sim, PDYN_LOAD_FLUID)),
+        ARRAY(p->force[PDYN_LOAD_CONTACT], force_numbers(sim, PDYN_LOAD_CONTACT)),
         ARRAY(p->place, p->count),
         ARRAY(p->x, 3 * (size_t)count_points(&sim->scene)),
         ARRAY(p->sample_force, 3 * samples),
@@ -254,7 +256,8 @@ static double part_of(const struct scene_probe *probe, double h, long steps) {
 void probes_step(struct pdyn_sim *sim, double h) {
     struct probes *p = sim->probes;
     double *now = p ? p->now : NULL, *value = p ? p->value : NULL;
-    if (p && p->force) forces_sum(sim, p->force);
+    for (int k = 0; p && k < LOAD_SOURCES; k++)
+        if (p->force[k]) forces_sum(sim, (pdyn_load_source)k, p->force[k]);
     if (p && p->sample_force) probe_wall_sum(sim);
     for (int k = 0; p && k < p->count; k++) {
         const struct scene_probe *from = &sim->scene.probe[k];

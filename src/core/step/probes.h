@@ -4,6 +4,7 @@
 
 #include "base/snapshot_file.h"
 #include "projdyn/probe.h"
+#include "solid_load.h"
 
 struct pdyn_sim;
 struct probe_place;
@@ -12,13 +13,13 @@ enum { PROBE_COLUMN = 96 }; /* bytes of the name of a column */
 
 struct probes {
     int count, values;
-    pdyn_probe_info *probe; /* count */
-    double *value;          /* values: of all probes */
-    double *now;            /* values: without the mean over time */
-    double *force; /* particles x 3, N: of all constraints, in the last step. NULL: no probe of a
-                      body */
-    struct probe_place *place; /* count: where they are now */
-    double *x;                 /* points of all probes x 3, m: the places' points */
+    pdyn_probe_info *probe;      /* count */
+    double *value;               /* values: of all probes */
+    double *now;                 /* values: without the mean over time */
+    double *force[LOAD_SOURCES]; /* particles x 3, N: by each source, in the last step. NULL: no
+                                    probe of a body needs it */
+    struct probe_place *place;   /* count: where they are now */
+    double *x;                   /* points of all probes x 3, m: the places' points */
     double *sample_force; /* samples x 3, N: of the fluids, in the last step. NULL: no probe of a
                              wall of a rigid body */
     char *text;           /* values x PROBE_COLUMN */

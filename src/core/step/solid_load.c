@@ -21,8 +21,8 @@ void solid_load_add(struct solid_load *load, const double *x, const double *forc
 static void add_point_forces(const struct pdyn_sim *sim, const double *force) {
     const struct boundary_points *points = &sim->boundary;
     for (int k = 0; k < points->at.count; k++)
-        solid_load_add(&sim->loads->solid[points->point[k].solid], points->at.x + 3 * (size_t)k,
-                       force + 3 * (size_t)k);
+        solid_load_add(&sim->loads->solid[PDYN_LOAD_ALL][points->point[k].solid],
+                       points->at.x + 3 * (size_t)k, force + 3 * (size_t)k);
 }
 
 /* The operator takes its multipliers from the call of `force` before. */
@@ -42,9 +42,17 @@ static void add_fluid(const struct pdyn_sim *sim) {
             batch->type->boundary_force(batch->params, &batch->view, sim->loads->force);
     }
     add_point_forces(sim, sim->loads->force);
+    memcpy(sim->loads->solid[PDYN_LOAD_FLUID], sim->loads->solid[PDYN_LOAD_ALL],
+           (size_t)sim->scene.solids * sizeof **sim->loads->solid);
 }
 
 /* ---- contact --------------------------------------------------------------------------------- */
+
+static void add_contact_force(const struct pdyn_sim *sim, int solid, const double *x,
+                              const double *force) {
+    solid_load_add(&sim->loads->solid[PDYN_LOAD_ALL][solid], x, force);
+    solid_load_add(&sim->loads->solid[PDYN_LOAD_CONTACT][solid], x, force);
+}
 
 /* Adds the force of element e, one row, on the solids of its contact. */
 static void add_element(const struct pdyn_sim *sim, const struct contact_list *list,
@@ -58,8 +66,7 @@ static void add_element(const struct pdyn_sim *sim, const struct contact_list *l
         int point = stencil->point[k];
         if (point < c->free) continue;
         vec3_add(force, -stencil->c[k], g);
-        solid_load_add(&sim->loads->solid[c->group[point] - c->bodies], c->at + 3 * (size_t)point,
-                       force);
+        add_contact_force(sim, c->group[point] - c->bodies, c->at + 3 * (size_t)point, force);
     }
 }
 
@@ -73,7 +80,7 @@ static void add_damping(const struct pdyn_sim *sim) {
         if (solid < 0) continue;
         vec3_add(force, b->view.weight[e], u);
         vec3_add(force, -b->view.weight[e], p);
-        solid_load_add(&sim->loads->solid[solid], u, force);
+        add_contact_force(sim, solid, u, force);
     }
 }
 
@@ -90,7 +97,10 @@ static void add_contact(const struct pdyn_sim *sim) {
 /* ---- public functions ------------------------------------------------------------------------ */
 
 static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
-    const struct array_entry table[] = {ARRAY(sim->loads->solid, sim->scene.solids),
+    struct solid_load **solid = sim->loads->solid;
+    const struct array_entry table[] = {ARRAY(solid[PDYN_LOAD_ALL], sim->scene.solids),
+                                        ARRAY(solid[PDYN_LOAD_FLUID], sim->scene.solids),
+                                        ARRAY(solid[PDYN_LOAD_CONTACT], sim->scene.solids),
                                         ARRAY(sim->loads->force, 3 * sim->boundary.at.count)};
     return context_arrays(sim->context, table, ARRAY_ROWS(table), action);
 }
@@ -107,26 +117,50 @@ void solid_load_free(struct pdyn_sim *sim) {
     FREE_ARRAY(sim->context, sim->loads, 1);
 }
 
-const struct solid_load *solid_load_compute(const struct pdyn_sim *sim) {
+const struct solid_load *solid_load_compute(const struct pdyn_sim *sim, pdyn_load_source source) {
     struct solid_loads *l = sim->loads;
     if (!l || !sim->forces_known) return NULL;
-    if (l->summed) return l->solid;
-    memset(l->solid, 0, (size_t)sim->scene.solids * sizeof *l->solid);
+    if (l->summed) return l->solid[source];
+    for (int k = 0; k < LOAD_SOURCES; k++)
+        memset(l->solid[k], 0, (size_t)sim->scene.solids * sizeof *l->solid[k]);
     add_fluid(sim);
     add_contact(sim);
     l->summed = true;
-    return l->solid;
+    return l->solid[source];
 }
 
 const char *pdyn_solid_name(const pdyn_sim *sim, int solid) {
     return sim && solid >= 0 && solid < sim->scene.solids ? sim->scene.solid[solid].name : NULL;
 }
 
-pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double force[3], double moment[3]) {
-    static const struct solid_load none;
-    if (!sim || !force || !moment || !pdyn_solid_name(sim, solid)) return PDYN_BAD_CALL;
-    const struct solid_load *loads = solid_load_compute(sim), *load = loads ? loads + solid : &none;
+static pdyn_status copy_load(const struct solid_load *load, double force[3], double moment[3]) {
     memcpy(force, load->force, sizeof load->force);
     memcpy(moment, load->moment, sizeof load->moment);
     return PDYN_OK;
+}
+
+static bool is_source(pdyn_load_source source) {
+    return (int)source >= 0 && source <= PDYN_LOAD_CONTACT;
+}
+
+pdyn_status pdyn_solid_load_by(const pdyn_sim *sim, int solid, pdyn_load_source source,
+                               double force[3], double moment[3]) {
+    static const struct solid_load none;
+    if (!sim || !force || !moment || !pdyn_solid_name(sim, solid) || !is_source(source))
+        return PDYN_BAD_CALL;
+    const struct solid_load *loads = solid_load_compute(sim, source);
+    return copy_load(loads ? loads + solid : &none, force, moment);
+}
+
+pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double force[3], double moment[3]) {
+    return pdyn_solid_load_by(sim, solid, PDYN_LOAD_ALL, force, moment);
+}
+
+pdyn_status pdyn_body_load_by(const pdyn_sim *sim, int body, pdyn_load_source source,
+                              double force[3], double moment[3]) {
+    if (!sim || !force || !moment || body < 0 || body >= sim->bodies || !is_source(source))
+        return PDYN_BAD_CALL;
+    forces_sum(sim, source, sim->trial);
+    struct solid_load load = forces_load_on(sim, body, sim->trial);
+    return copy_load(&load, force, moment);
 }

@@ -3,7 +3,7 @@
 #ifndef PDYN_SOLID_LOAD_H
 #define PDYN_SOLID_LOAD_H
 
-#include "projdyn/projdyn.h"
+#include "projdyn/probe.h"
 
 struct pdyn_sim;
 
@@ -12,10 +12,12 @@ struct solid_load {
     double moment[3]; /* N m, about the origin of the world */
 };
 
+enum { LOAD_SOURCES = PDYN_LOAD_CONTACT + 1 };
+
 struct solid_loads {
-    bool summed;              /* `solid` is up to date */
-    struct solid_load *solid; /* scene.solids */
-    double *force;            /* boundary points x 3, N: scratch */
+    bool summed;                            /* `solid` is up to date */
+    struct solid_load *solid[LOAD_SOURCES]; /* scene.solids: by enum pdyn_load_source */
+    double *force;                          /* boundary points x 3, N: scratch */
 };
 
 /* Adds a force, N, that acts at x, m. */
@@ -25,7 +27,8 @@ void solid_load_add(struct solid_load *load, const double *x, const double *forc
 pdyn_status solid_load_create(struct pdyn_sim *sim);
 void solid_load_free(struct pdyn_sim *sim);
 
-/* The loads after the last step, one per solid of the scene. NULL: unknown, or no solids. */
-const struct solid_load *solid_load_compute(const struct pdyn_sim *sim);
+/* The loads by a source after the last step, one per solid of the scene. NULL: unknown, or no
+ * solids. */
+const struct solid_load *solid_load_compute(const struct pdyn_sim *sim, pdyn_load_source source);
 
 #endif
