@@ -169,6 +169,9 @@ MISTAKES = [
                                                        ("time_step", {"maximum": 0.005, "minimum": 0.005})), "[short-step]"),
     Mistake("water compressed at the start", change(*WATER_ONLY, ("bodies.0.constraints.0.stiffness", 1),
                                                     ("bodies.0.velocity", [0, -5, 0])), "[compressed]"),
+    Mistake("a solid that presses water against the floor", change(*WATER_ONLY, ("duration", 0.12), ("solids.1", {
+        "name": "press", "box": {"minimum": [-0.12, 0.05, -0.12], "maximum": [0.12, 0.09, 0.12]},
+        "motion": [{"time": 0}, {"time": 0.05, "translate": [0, -0.028, 0]}]})), "", "[squeezed]"),
     Mistake("more water than memory", change(*WATER_ONLY, ("bodies.0.particles.radius", 0.0025)),
             "153600 particles take about 0.35 GB, and there are 0.34 GB", codes=(1, 1), memory=340_000_000),
     Mistake("more water of a wide kernel than memory", change(*WATER_ONLY, ("kernel", "wendland"), ("bodies.0.particles.radius", 0.0025)),

@@ -449,6 +449,60 @@ static void fill(const void *par, const pdyn_batch *b, int first, int last) {
     for (int e = first; e < last; e++) b->column[e] = b->body->first, b->weight[e] = 1.0;
 }
 
+/* ---- gaps without room for particles --------------------------------------------------------- */
+
+/* A plate sinks by `way`, m, in 0.2 s to the floor of a tank of water. It is a solid, a rigid body
+ * that pins move, or a heavy free one. */
+#define PLATE_IN_WATER(plate, solid)                                                               \
+    SCENE("'duration': 10, 'frame_interval': 0.1",                                                 \
+          FLUID_BOX("'name': 'water', ", "0.0125", "0, 0, 0", "0.3, 0.15, 0.3",                    \
+                    ", 'compression': 0.001, 'viscosity': 0.1") plate,                             \
+          ", 'solids': [{'name': 'tank', 'box': {'minimum': [0, 0, 0], 'maximum': [0.3, 0.5, "     \
+          "0.3]}, 'open': ['+y']}" solid "]")
+#define PLATE_BOX(height)                                                                          \
+    "'box': {'minimum': [0.075, " height ", 0.075], 'maximum': [0.225, 0.1, 0.225]}"
+#define SOLID_PLATE(way)                                                                           \
+    PLATE_IN_WATER("",                                                                             \
+                   ", {'name': 'plate', " PLATE_BOX("0.05") ", 'motion': [{'time': 0}, "           \
+                                                            "{'time': 0.2, 'translate': [0, " way  \
+                                                            ", 0]}]}")
+#define RIGID_PLATE(constraints)                                                                   \
+    PLATE_IN_WATER(                                                                                \
+        ", {'name': 'plate', 'rigid': {" PLATE_BOX("0.05") ", 'density': 8000}, "                  \
+                                                           "'constraints': [" constraints "]}",    \
+        "")
+#define MOVED(way)                                                                                 \
+    "{'type': 'pin', 'vertices': {'all': true}, 'path': [[0, 0, 0, 0], [0.2, 0, " way ", 0]]}"
+
+static pdyn_warning squeezed(const char *scene) {
+    static pdyn_warning w;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, scene);
+    while (pdyn_time(sim) < 0.3) test_step(context, sim);
+    w = find_warning(sim, "squeezed", "plate");
+    static char text[512];
+    snprintf(text, sizeof text, "%s", w.text ? w.text : "");
+    w.text = text;
+    print_message("%ld steps: %s\n", w.count, text);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return w;
+}
+
+/* The gap is 0.6 particle spacings of 25 mm, or a whole one, which has room. A free body yields. */
+static void test_gaps(void **state) {
+    (void)state;
+    static const char expected[] = "particles of \"water\" are squeezed between it and \"tank\"";
+    pdyn_warning w = squeezed(SOLID_PLATE("-0.035"));
+    assert_non_null(strstr(w.text, expected));
+    assert_non_null(strstr(w.text, "a gap below 0.025 m"));
+    assert_true(w.count > 20 && w.last > 0.29);
+    assert_non_null(strstr(squeezed(RIGID_PLATE(MOVED("-0.035"))).text, expected));
+    assert_int_equal(squeezed(SOLID_PLATE("-0.025")).count, 0);
+    assert_int_equal(squeezed(RIGID_PLATE(MOVED("-0.025"))).count, 0);
+    assert_int_equal(squeezed(RIGID_PLATE("")).count, 0);
+}
+
 static void test_without_elements(void **state) {
     (void)state;
     static const pdyn_param none[] = {{0}};
@@ -482,16 +536,27 @@ static void test_without_elements(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sheet),     cmocka_unit_test(test_border),
-        cmocka_unit_test(test_return),    cmocka_unit_test(test_two_sheets),
-        cmocka_unit_test(test_long_name), cmocka_unit_test(test_solids),
-        cmocka_unit_test(test_cloth),     cmocka_unit_test(test_overlap),
-        cmocka_unit_test(test_stretched), cmocka_unit_test(test_touching),
-        cmocka_unit_test(test_bat),       cmocka_unit_test(test_fast),
-        cmocka_unit_test(test_rounding),  cmocka_unit_test(test_gain_after_loss),
-        cmocka_unit_test(test_saved),     cmocka_unit_test(test_fallen),
-        cmocka_unit_test(test_ball),      cmocka_unit_test(test_press),
-        cmocka_unit_test(test_pressed),   cmocka_unit_test(test_without_elements),
+        cmocka_unit_test(test_sheet),
+        cmocka_unit_test(test_border),
+        cmocka_unit_test(test_return),
+        cmocka_unit_test(test_two_sheets),
+        cmocka_unit_test(test_long_name),
+        cmocka_unit_test(test_solids),
+        cmocka_unit_test(test_cloth),
+        cmocka_unit_test(test_overlap),
+        cmocka_unit_test(test_stretched),
+        cmocka_unit_test(test_touching),
+        cmocka_unit_test(test_bat),
+        cmocka_unit_test(test_fast),
+        cmocka_unit_test(test_rounding),
+        cmocka_unit_test(test_gain_after_loss),
+        cmocka_unit_test(test_saved),
+        cmocka_unit_test(test_fallen),
+        cmocka_unit_test(test_ball),
+        cmocka_unit_test(test_press),
+        cmocka_unit_test(test_pressed),
+        cmocka_unit_test(test_gaps),
+        cmocka_unit_test(test_without_elements),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);

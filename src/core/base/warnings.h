@@ -41,7 +41,8 @@
     X(BUDGET, "budget")                                                                            \
     X(BLOCKED, "blocked")                                                                          \
     X(SOLID_WAITS, "solid-waits")                                                                  \
-    X(CONTACT_STIFFNESS, "contact-stiffness")
+    X(CONTACT_STIFFNESS, "contact-stiffness")                                                      \
+    X(SQUEEZED, "squeezed")
 
 enum warning_code {
 #define WARNING_ENUM(constant, code) WARNING_##constant,

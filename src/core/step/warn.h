@@ -43,6 +43,9 @@ struct box warn_extent(const struct pdyn_sim *sim);
  * everything that the scene has at the start as that is wide and high. */
 double warn_floor(const struct pdyn_sim *sim);
 
+/* Warns of particles in gaps without room for them. density_error_max: of the step. */
+void warn_of_gaps(struct pdyn_sim *sim, double density_error_max);
+
 /* Raises warnings about the step that was just accepted. */
 void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info);
 

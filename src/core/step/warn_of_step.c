@@ -183,6 +183,7 @@ void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
     warn_unsolved(sim);
     warn_retries(sim, info->retries);
     warn_compressed(sim, info->density_error_mean);
+    warn_of_gaps(sim, info->density_error_max);
     crossings_warn(sim);
     warn_fast(sim, info->h);
     warn_pressed(sim, info->step_residual);
