@@ -31,9 +31,9 @@ def read_interface(path):
         else:
             structs[name] = {"size": int(re.search(r"/\* size: (\d+)", body)[1]),
                              "members": [f"{offset}: {text}" for offset, text in members]}
-    enumerators = re.findall(r"\(DW_TAG_enumerator\)\n.*DW_AT_name.*\b(PDYN_\w+)\s*\n.*DW_AT_const_value\s*: (-?\d+)",
+    enumerators = re.findall(r"\(DW_TAG_enumerator\)\n.*DW_AT_name.*\b(PDYN_\w+)\s*\n.*DW_AT_const_value\s*: (-?\w+)",
                              output("readelf", "--debug-dump=info", path))
-    return {"functions": sorted(functions), "structs": structs, "enumerators": [" = ".join(e) for e in enumerators]}
+    return {"functions": sorted(functions), "structs": structs, "enumerators": [f"{name} = {int(value, 0)}" for name, value in enumerators]}
 
 
 def differences(old, new):

@@ -43,10 +43,18 @@ typedef enum pdyn_param_kind {
     PDYN_PER_TRIANGLE =
         0x300,            /* for each triangle (both need PDYN_ON_SURFACE or PDYN_ON_VOLUME), */
     PDYN_PER_TET = 0x400, /* for each tetrahedron (needs PDYN_ON_VOLUME) */
+    PDYN_VERTEX_COLUMN = 0x10000, /* of PDYN_VERTEX_TABLE, for each column of vertices */
+    PDYN_LARGEST_KIND = 0xFFFFFF, /* the enumeration holds every table */
 } pdyn_param_kind;
 
 /* A pdyn_table with `width` numbers in each row, 1 to 255. */
 #define PDYN_TABLE(rows, width) ((pdyn_param_kind)((rows) + (width)))
+
+/* The same; the first `vertices` numbers of a row are vertices of the body, counted from its first
+ * one, different ones in a row. Core checks them; `min` and `max` are bounds of the other numbers.
+ * Has no default, and needs PDYN_ON_SURFACE or PDYN_ON_VOLUME. */
+#define PDYN_VERTEX_TABLE(rows, vertices, width)                                                   \
+    ((pdyn_param_kind)((int)(rows) + (int)(width) + (int)(vertices) * (int)PDYN_VERTEX_COLUMN))
 
 typedef struct pdyn_table {
     int count;           /* rows; 0: a parameter without a default that the scene does not give */

@@ -60,24 +60,46 @@ static const char *const format_of[] = {[PDYN_REAL] = ", \"%s\": %.17g",
                                         [PDYN_PATH] = ", \"%s\": [[0, 0, 0, 0]]",
                                         [PDYN_OTHER] = ", \"%s\": \"other\""};
 
-/* Writes a required table: one row of `width` values for all parts of the body. */
-static void write_table(char *text, size_t size, const pdyn_param *p) {
+/* A vertex for a column: those of the first cell of the grid, which span it, then further ones. */
+static int vertex_for(enum body_kind kind, enum trial_size size, int column) {
+    static const int cell[BODY_KINDS][SIZES][4] = {
+        [SURFACE] = {{0, 1, 5, 6}, {0, 1, 46, 47}},
+        [VOLUME] = {{0, 1, 3, 6}, {0, 1, 11, 121}}}; /* beside each other along x, y, z */
+    return column < 4 ? cell[kind][size][column] : cell[kind][size][3] + column;
+}
+
+/* Writes a row; its vertices are `shift` along x from the first cell. */
+static void write_row(char *text, size_t size, const pdyn_param *p, enum body_kind kind,
+                      enum trial_size trial, int shift) {
     const char *before = param_width(p) > 1 ? "[" : "";
-    text_append(text, size, ", \"%s\": ", p->name);
     for (int k = 0; k < param_width(p); k++, before = ", ")
-        text_append(text, size, "%s%.17g", before, value_for(p));
+        text_append(text, size, "%s%.17g", before,
+                    k < param_vertices(p) ? vertex_for(kind, trial, k) + shift : value_for(p));
     if (param_width(p) > 1) text_append(text, size, "]");
+}
+
+/* Writes a required table: one row for all parts of the body, or two rows with vertices. */
+static void write_table(char *text, size_t size, const pdyn_param *p, enum body_kind kind,
+                        enum trial_size trial) {
+    bool two = param_vertices(p) && !param_rows(p, 1, 1, 1);
+    text_append(text, size, ", \"%s\": %s", p->name, two ? "[" : "");
+    write_row(text, size, p, kind, trial, 0);
+    if (!two) return;
+    text_append(text, size, ", ");
+    write_row(text, size, p, kind, trial, 1);
+    text_append(text, size, "]");
 }
 
 /* Writes the required parameters, and real ones whose default lies within the bounds (others have
  * no default). */
-static void write_params(char *text, size_t size, const pdyn_constraint_type *type) {
+static void write_params(char *text, size_t size, const pdyn_constraint_type *type,
+                         enum body_kind kind, enum trial_size trial) {
     for (const pdyn_param *p = type->params; p->name; p++) {
         bool given = p->required || (p->kind == PDYN_REAL && isfinite(p->def) && p->def >= p->min &&
                                      p->def <= p->max);
         size_t length = strlen(text);
         double value = value_for(p);
-        if (given && param_is_table(p)) write_table(text, size, p);
+        if (given && param_is_table(p)) write_table(text, size, p, kind, trial);
         else if (given)
             snprintf(text + length, size - length, format_of[p->kind], p->name, value, value,
                      value);
@@ -130,7 +152,7 @@ void trial_scene(char text[TRIAL_TEXT], const pdyn_constraint_type *type, enum b
     static const char *const besides[SIZES] = {BESIDE("0.05"), BESIDE("0.0125")};
     const char *first = kind == PARTICLES && !needs_other(type) ? drops[size] : OTHER;
     char params[TRIAL_TEXT / 4] = "", beside[TRIAL_TEXT / 3] = "";
-    write_params(params, sizeof params, type);
+    write_params(params, sizeof params, type, kind, size);
     if (type->matrix_free) snprintf(beside, sizeof beside, besides[size], type->name, params);
     snprintf(text, TRIAL_TEXT,
              "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.004,"
@@ -205,7 +227,8 @@ pdyn_status trial_vary_tables(pdyn_sim *sim) {
     for (int k = 0; k < sim->constraints; k++) {
         const pdyn_constraint_type *type = sim->objective.batch[k]->type;
         for (const pdyn_param *p = type->params; p->name && status == PDYN_OK; p++)
-            if (param_is_table(p) && param_rows(p, 1, 1, 1) && param_is_changeable(type, p))
+            if (param_is_table(p) && param_rows(p, 1, 1, 1) && !param_vertices(p) &&
+                param_is_changeable(type, p))
                 status = vary_table(sim, k, p);
     }
     return status;

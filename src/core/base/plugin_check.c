@@ -32,8 +32,9 @@ static const size_t sizes[] = {[PDYN_REAL] = sizeof(double),
                                [PDYN_OTHER] = sizeof(pdyn_other)};
 
 static bool is_known(unsigned kind) {
+    unsigned table = kind % PDYN_VERTEX_COLUMN;
     return kind < sizeof sizes / sizeof *sizes ||
-           (kind >= PDYN_ROWS && kind <= (PDYN_PER_TET | 0xFF));
+           (table >= PDYN_ROWS && table <= (PDYN_PER_TET | 0xFF));
 }
 
 static size_t size_of(const pdyn_param *p) {
@@ -46,6 +47,9 @@ static const char *table_fault(const pdyn_constraint_type *type, const pdyn_para
     if (!param_width(p)) return "its rows have no numbers";
     if (param_rows(p, 0, 0, 1) && !tets) return "it needs PDYN_ON_VOLUME";
     if (param_rows(p, 1, 1, 0) && !mesh) return "it needs PDYN_ON_SURFACE or PDYN_ON_VOLUME";
+    if (param_vertices(p) && !mesh) return "vertices need PDYN_ON_SURFACE or PDYN_ON_VOLUME";
+    if (param_vertices(p) > param_width(p)) return "its rows have more vertices than numbers";
+    if (param_vertices(p) && params_has_default(p)) return "vertices have no default";
     return NULL;
 }
 

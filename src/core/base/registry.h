@@ -50,6 +50,11 @@ extern const pdyn_param settings_solver_params[], settings_time_step_params[],
 static inline bool param_is_table(const pdyn_param *param) { return param->kind >= PDYN_ROWS; }
 static inline int param_width(const pdyn_param *param) { return (int)(param->kind & 0xFF); }
 
+/* The first numbers of a row that are vertices (PDYN_VERTEX_TABLE). */
+static inline int param_vertices(const pdyn_param *param) {
+    return param_is_table(param) ? (int)(param->kind / PDYN_VERTEX_COLUMN) : 0;
+}
+
 /* The path that a parameter is in a struct of parameters; NULL: it is none. */
 static inline const pdyn_path *param_path(const pdyn_param *param, const void *params) {
     return param->kind == PDYN_PATH ? (const pdyn_path *)((const char *)params + param->offset)
@@ -58,7 +63,7 @@ static inline const pdyn_path *param_path(const pdyn_param *param, const void *p
 
 /* The rows of a table on a body of so many vertices, triangles and tetrahedra; 0: any number. */
 static inline int param_rows(const pdyn_param *param, int vertices, int triangles, int tets) {
-    unsigned per = param->kind & ~0xFFu;
+    unsigned per = param->kind & 0xFF00u;
     return per == PDYN_PER_VERTEX     ? vertices
            : per == PDYN_PER_TRIANGLE ? triangles
            : per == PDYN_PER_TET      ? tets

@@ -39,11 +39,15 @@ static void heading(const struct sink *to, const char *kind, const char *name,
     row(to, "parameter", "unit", "default", "value", "meaning");
 }
 
-/* Appends e.g. "3 numbers from 0 to 1 per tetrahedron". */
+/* Appends e.g. "3 numbers from 0 to 1 per tetrahedron", "2 vertices, number from 0 to 1 per row".
+ */
 static void describe_table(const pdyn_param *p, char *text, size_t size) {
     char row[32] = "number";
-    if (param_width(p) > 1) snprintf(row, sizeof row, "%d numbers", param_width(p));
-    params_describe_bounds(text, size, row, p->min, p->max, "");
+    int vertices = param_vertices(p), numbers = param_width(p) - vertices;
+    if (vertices) text_append(text, size, vertices == 1 ? "vertex" : "%d vertices", vertices);
+    if (vertices && numbers) text_append(text, size, ", ");
+    if (numbers > 1) snprintf(row, sizeof row, "%d numbers", numbers);
+    if (numbers) params_describe_bounds(text, size, row, p->min, p->max, "");
     text_append(text, size, " per %s", table_part(p) ? table_part(p) : "row");
 }
 

@@ -91,7 +91,7 @@ static int count_keyed(const struct json_at *object, const pdyn_param *p) {
 bool keyed_allowed(const pdyn_constraint_type *type, const pdyn_param *p) {
     int numbers = param_numbers(p);
     return param_is_changeable(type, p) && numbers >= 1 && numbers <= 3 &&
-           (!param_is_table(p) || param_rows(p, 1, 1, 1));
+           (!param_is_table(p) || (param_rows(p, 1, 1, 1) && !param_vertices(p)));
 }
 
 static pdyn_status read_all_keys(const struct json_at *object, struct scene_constraint *c) {

@@ -50,19 +50,56 @@ void table_describe(const pdyn_param *param, int rows, const char *lines, char *
     if (rows) text_append(text, size, ", one per %s", table_part(param));
 }
 
+/* ---- numbers --------------------------------------------------------------------------------- */
+
+bool table_allows(const pdyn_param *param, const double *row, int column, double value,
+                  int vertices) {
+    if (column >= param_vertices(param)) return param_allows(param, value);
+    for (int k = 0; k < column; k++)
+        if (row[k] == value) return false;
+    return value >= 0.0 && value < vertices && value == floor(value);
+}
+
+void table_describe_number(const pdyn_param *param, int column, int vertices, char *text,
+                           size_t size) {
+    if (column >= param_vertices(param))
+        params_describe_bounds(text, size, "a number", param->min, param->max, param->unit);
+    else
+        text_append(text, size, "a vertex from 0 to %d%s", vertices - 1,
+                    column ? ", another one than before it in the row" : "");
+}
+
+/* ---- reading --------------------------------------------------------------------------------- */
+
 static pdyn_status expected_table(const struct json_at *at, const pdyn_param *param, int rows) {
     char text[WHAT] = "an array of ";
     table_describe(param, rows, NULL, text, sizeof text);
     return json_expected(at, text);
 }
 
-/* ---- reading --------------------------------------------------------------------------------- */
+/* The numbers of a row that begins with vertices. */
+static pdyn_status read_vertices(const struct json_at *at, const pdyn_param *param, int vertices,
+                                 double *row) {
+    int width = param_width(param);
+    pdyn_status status = width == 1 ? params_real(at, -HUGE_VAL, HUGE_VAL, "", row)
+                                    : params_reals(at, width, -HUGE_VAL, HUGE_VAL, "", row);
+    for (int k = 0; k < width && status == PDYN_OK; k++) {
+        struct json_at number = width == 1 ? *at : json_element(at, (size_t)k);
+        char expected[WHAT] = "";
+        if (table_allows(param, row, k, row[k], vertices)) continue;
+        table_describe_number(param, k, vertices, expected, sizeof expected);
+        status = json_expected(&number, expected);
+    }
+    return status;
+}
 
 /* A missing row has the default. */
-static pdyn_status read_row(const struct json_at *at, const pdyn_param *param, double *row) {
+static pdyn_status read_row(const struct json_at *at, const pdyn_param *param, int vertices,
+                            double *row) {
     int width = param_width(param);
     for (int k = 0; !at->value && k < width; k++) row[k] = param->def;
     if (!at->value) return PDYN_OK;
+    if (param_vertices(param)) return read_vertices(at, param, vertices, row);
     return width == 1 ? params_real(at, param->min, param->max, param->unit, row)
                       : params_reals(at, width, param->min, param->max, param->unit, row);
 }
@@ -83,45 +120,47 @@ static pdyn_status allocate(const struct json_at *at, const pdyn_param *param, s
 
 /* Reads one row for all parts of the body. */
 static pdyn_status read_one(const struct json_at *at, const pdyn_param *param, int rows,
-                            pdyn_table *out) {
+                            int vertices, pdyn_table *out) {
     size_t width = (size_t)param_width(param);
     pdyn_status status = allocate(at, param, rows ? (size_t)rows : 1, out);
     if (status != PDYN_OK) return status;
     double *value = (double *)out->value;
-    status = read_row(at, param, value);
+    status = read_row(at, param, vertices, value);
     for (size_t k = width; k < (size_t)out->count * width; k++) value[k] = value[k - width];
     return status;
 }
 
 static pdyn_status read_rows(const struct json_at *at, const pdyn_param *param, int rows,
-                             pdyn_table *out) {
+                             int vertices, pdyn_table *out) {
     size_t count = json_array_size(at->value), width = (size_t)param_width(param);
     if (!count || (rows && count != (size_t)rows)) return expected_table(at, param, rows);
     pdyn_status status = allocate(at, param, count, out);
     for (size_t k = 0; k < count && status == PDYN_OK; k++) {
         struct json_at row = json_element(at, k);
-        status = read_row(&row, param, (double *)out->value + k * width);
+        status = read_row(&row, param, vertices, (double *)out->value + k * width);
     }
     return status;
 }
 
 static pdyn_status read_file(const struct json_at *at, const pdyn_param *param, int rows,
-                             pdyn_table *out) {
+                             int vertices, pdyn_table *out) {
     char *path = NULL;
     size_t size = 0;
     pdyn_context *context = at->file->context;
     pdyn_status status = file_ref_path(at, "the name of a file", &path, &size);
-    if (status == PDYN_OK) status = json_wrap(at, table_file_read(context, path, param, rows, out));
+    if (status == PDYN_OK)
+        status = json_wrap(at, table_file_read(context, path, param, rows, vertices, out));
     FREE_ARRAY(context, path, size);
     return status;
 }
 
 pdyn_status table_read(const struct json_at *at, const pdyn_param *param,
                        const struct scene_body *body, pdyn_table *out) {
+    int vertices = body->mesh.vertices;
     int rows = param_rows(param, body->mesh.vertices, body->mesh.triangles, body->tets.count);
     if (!at->value && !param->required)
-        return params_has_default(param) ? read_one(at, param, rows, out) : PDYN_OK;
-    if (json_is_string(at->value)) return read_file(at, param, rows, out);
-    return is_row(at->value, param_width(param)) ? read_one(at, param, rows, out)
-                                                 : read_rows(at, param, rows, out);
+        return params_has_default(param) ? read_one(at, param, rows, vertices, out) : PDYN_OK;
+    if (json_is_string(at->value)) return read_file(at, param, rows, vertices, out);
+    return is_row(at->value, param_width(param)) ? read_one(at, param, rows, vertices, out)
+                                                 : read_rows(at, param, rows, vertices, out);
 }

@@ -18,6 +18,14 @@ double *table_allocate(pdyn_context *context, const pdyn_param *param, int rows,
 /* Continues a hash over the tables of a constraint. */
 uint64_t table_hash(uint64_t hash, const pdyn_param *params, const void *values);
 
+/* Whether a row may have this number in a column, after the numbers before it: one within the
+ * bounds, or a vertex of a body of so many that the row does not have yet. */
+bool table_allows(const pdyn_param *param, const double *row, int column, double value,
+                  int vertices);
+/* Appends what table_allows expects, e.g. "a vertex from 0 to 80". */
+void table_describe_number(const pdyn_param *param, int column, int vertices, char *text,
+                           size_t size);
+
 /* What a row belongs to, e.g. "tetrahedron"; NULL: the table has any number of rows. */
 const char *table_part(const pdyn_param *param);
 /* Appends e.g. "24 LINES of 3 numbers, one per tetrahedron"; of rows of one number without LINES

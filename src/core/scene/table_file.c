@@ -42,23 +42,26 @@ static pdyn_status fail_row(const struct mesh_file *file, int width, int found) 
                           found > width ? "more than " : "", found > width ? width : found);
 }
 
-static pdyn_status fail_number(const struct mesh_file *file, const pdyn_param *p) {
+static pdyn_status fail_number(const struct mesh_file *file, const pdyn_param *p, int column,
+                               int vertices) {
     char expected[WHAT] = "", word[WORD], found[WORD];
-    params_describe_bounds(expected, sizeof expected, "a number", p->min, p->max, p->unit);
+    table_describe_number(p, column, vertices, expected, sizeof expected);
     snprintf(word, sizeof word, "%.*s", (int)strcspn(file->at, " \t\r\n,#"), file->at);
     text_clip(found, sizeof found, word);
     return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s:%ld: expected %s, found \"%s\"",
                         file->path, file->line, expected, found);
 }
 
-static pdyn_status read_row(struct mesh_file *file, const pdyn_param *param, double *row) {
+static pdyn_status read_row(struct mesh_file *file, const pdyn_param *param, int vertices,
+                            double *row) {
     int width = param_width(param), count = 0;
     for (; find_word(file); count++) {
         char *end;
         double value = strtod(file->at, &end);
-        if (end == file->at || !strchr(" \t\r\n,#", *end) || !param_allows(param, value))
-            return fail_number(file, param);
         if (count == width) return fail_row(file, width, width + 1);
+        if (end == file->at || !strchr(" \t\r\n,#", *end) ||
+            !table_allows(param, row, count, value, vertices))
+            return fail_number(file, param, count, vertices);
         row[count] = value, file->at = end;
     }
     return count == width ? PDYN_OK : fail_row(file, width, count);
@@ -80,22 +83,22 @@ static pdyn_status check_count(const struct mesh_file *file, const pdyn_param *p
 }
 
 static pdyn_status read_rows(struct mesh_file *file, const pdyn_param *param, int rows,
-                             pdyn_table *out) {
+                             int vertices, pdyn_table *out) {
     size_t found = count_rows(file), width = (size_t)param_width(param);
     pdyn_status status = check_count(file, param, found, rows);
     if (status != PDYN_OK) return status;
     double *value = table_allocate(file->context, param, (int)found, out);
     if (!value) return PDYN_NO_MEMORY;
     for (; status == PDYN_OK && find_row(file); value += width)
-        status = read_row(file, param, value);
+        status = read_row(file, param, vertices, value);
     return status;
 }
 
 pdyn_status table_file_read(pdyn_context *context, const char *path, const pdyn_param *param,
-                            int rows, pdyn_table *out) {
+                            int rows, int vertices, pdyn_table *out) {
     struct mesh_file file = {.context = context, .path = path, .line = 1};
     pdyn_status status = file_load(context, path, &file.data, &file.size);
-    if (status == PDYN_OK) status = read_rows(&file, param, rows, out);
+    if (status == PDYN_OK) status = read_rows(&file, param, rows, vertices, out);
     mesh_file_release(&file);
     return status;
 }

@@ -5,10 +5,10 @@
 
 #include "base/registry.h"
 
-/* Reads the file at `path`. rows: the number that it must have; 0: any, at least one. The caller
- * frees the table (table.h), after a failure, too. PDYN_BAD_INPUT: the error text has file and
- * line. */
+/* Reads the file at `path`. rows: the number that it must have; 0: any, at least one. vertices: of
+ * the body. The caller frees the table (table.h), after a failure, too. PDYN_BAD_INPUT: the error
+ * text has file and line. */
 pdyn_status table_file_read(pdyn_context *context, const char *path, const pdyn_param *param,
-                            int rows, pdyn_table *out);
+                            int rows, int vertices, pdyn_table *out);
 
 #endif

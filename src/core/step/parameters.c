@@ -113,6 +113,14 @@ static int rows_of(const struct batch *b, const pdyn_param *p) {
     return param_rows(p, body->count, body->triangles, body->tets);
 }
 
+static bool allows_all(const struct batch *b, const pdyn_param *p, const double *value, int count) {
+    int width = param_width(p);
+    bool good = true;
+    for (int k = 0; good && k < count; k++)
+        good = table_allows(p, value + k - k % width, k % width, value[k], b->view.body->count);
+    return good;
+}
+
 /* Checks all rows, or one row for all. */
 static pdyn_status check_table(const struct batch *b, const pdyn_param *p, const double *value,
                                int count) {
@@ -120,9 +128,13 @@ static pdyn_status check_table(const struct batch *b, const pdyn_param *p, const
     int rows = rows_of(b, p), width = param_width(p);
     bool good = count > 0 && count % width == 0;
     if (good && rows) good = count == width || count / width == rows;
-    for (int k = 0; good && k < count; k++) good = param_allows(p, value[k]);
+    good = good && allows_all(b, p, value, count);
     if (good) return PDYN_OK;
     table_describe(p, rows, NULL, expected, sizeof expected);
+    if (param_vertices(p))
+        text_append(expected, sizeof expected,
+                    ", the first %d different vertices from 0 to %d, others", param_vertices(p),
+                    b->view.body->count - 1);
     params_describe_bounds(expected, sizeof expected, rows ? ", or one row for all," : ",", p->min,
                            p->max, p->unit);
     return fail_value(b, p, expected);
@@ -235,8 +247,7 @@ static bool persist_table(const struct batch *b, const pdyn_param *p, pdyn_table
     double *value = table_allocate(b->context, p, count, &read);
     if (count && !value) return a->status = PDYN_NO_MEMORY, false;
     snapshot_file_bytes(a, value, (size_t)count * row);
-    bool valid = true;
-    for (int k = 0; k < count * width; k++) valid &= param_allows(p, value[k]);
+    bool valid = allows_all(b, p, value, count * width);
     snapshot_file_require(a, valid, "a number of a table is out of bounds");
     bool changed =
         a->status == PDYN_OK &&
