@@ -26,10 +26,10 @@ follow() { # PAGE LANGUAGE INTERPRETER...
     echo "ok $page"
 }
 
-if /usr/bin/python3 -c 'import meshio, numpy, vtkmodules' 2>/dev/null; then
+if /usr/bin/python3 -c 'import matplotlib, meshio, numpy, vtkmodules' 2>/dev/null; then
     follow python python /usr/bin/python3
 else
-    echo "skipped python: meshio, numpy or vtk is not installed"
+    echo "skipped python: matplotlib, meshio, numpy or vtk is not installed"
 fi
 
 command -v chromium >/dev/null && command -v ffmpeg >/dev/null || {
