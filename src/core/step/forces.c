@@ -8,6 +8,7 @@
  * (docs/theory/time-integration.md). */
 #include "forces.h"
 
+#include "base/registry.h"
 #include "sim.h"
 
 #include "projdyn/probe.h"
