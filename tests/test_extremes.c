@@ -326,6 +326,24 @@ static void test_unsolved_steps_keep_the_motion(void **state) {
                  fall);
 }
 
+/* Kinetic energy, J, of the water on the sheet after 0.5 s, with so many iterations a step. */
+static double bounce(const char *iterations) {
+    const char *set[] = {"time_step={\"fixed\": 0.005}", iterations};
+    pdyn_sim *sim = NULL;
+    pdyn_step_info info = {0};
+    assert_int_equal(pdyn_load_text(context, quoted(BOTH_OF), "bounce", set, 2, &sim), PDYN_OK);
+    for (int k = 0; k < 100; k++) info = test_step(context, sim);
+    pdyn_free(sim);
+    return info.kinetic_energy;
+}
+
+/* `auto` does not stay with `dual` where its steps end far from solved: the water would stop. */
+static void test_few_iterations_do_not_stop_water(void **state) {
+    (void)state;
+    double few = bounce("solver.outer_iterations=2"), all = bounce("solver.outer_iterations=50");
+    if (!(few > 0.6 * all)) fail_msg("%g J with two iterations, %g J if solved", few, all);
+}
+
 /* Scenes that run but may surprise: a warning says why. */
 static void warns(const char *scene, const char *set, const char *text) {
     struct warnings warnings = {.text = text};
@@ -346,8 +364,8 @@ static void test_warnings(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_extremes),
-                                       cmocka_unit_test(test_unsolved_steps_keep_the_motion),
-                                       cmocka_unit_test(test_warnings)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_extremes), cmocka_unit_test(test_unsolved_steps_keep_the_motion),
+        cmocka_unit_test(test_few_iterations_do_not_stop_water), cmocka_unit_test(test_warnings)};
     return cmocka_run_group_tests_name("extremes", tests, write_files, remove_files);
 }
