@@ -155,6 +155,8 @@ MISTAKES = [
     Mistake("a probe in millimetres", change(("probes", [{"name": "gauge", "point": [100, 50, 0]}])), "[probe]"),
     # found in steps
     Mistake("too few iterations", change(("solver", {"outer_iterations": 1, "linear_iterations": 2})), "[unsolved]"),
+    Mistake("cloth far too stiff for two iterations", change(("bodies.0", None), ("bodies.0.constraints.0.stretching_stiffness", 1e9),
+                                                             ("solver", {"outer_iterations": 2}), ("duration", 0.3)), "", "[slowed]"),
     Mistake("nothing holds the cloth", change(("solids", []), ("bodies.0", None), ("bodies.0.constraints.1", None),
                                               ("contact", None), ("duration", 0.6)), "", "[fell-out]"),
     Mistake("dust falls through cloth", change(DUST, ("contact", None), ("bodies.0.particles.fill.0.box", {

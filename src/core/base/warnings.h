@@ -30,6 +30,7 @@
     X(OVERLAP, "overlap")                                                                          \
     X(FACTOR, "factor")                                                                            \
     X(UNSOLVED, "unsolved")                                                                        \
+    X(SLOWED, "slowed")                                                                            \
     X(RETRIES, "retries")                                                                          \
     X(LEAK, "leak")                                                                                \
     X(FAST, "fast")                                                                                \

@@ -69,6 +69,8 @@ struct pdyn_sim {
 
     /* Forces of the last step. */
     bool forces_known; /* its last local step belongs to the state: forces can be computed */
+    double slowed;     /* part of the kinetic energy that the end of the step took away, as it was
+                          far from solved and had gained energy */
     int impacts;       /* number of constraints with an impact */
     double left_out;   /* 1 - (h_e / h)^2: the part of their forces that does not change velocities
                           (impacts.h) */

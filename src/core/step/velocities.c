@@ -73,7 +73,8 @@ static void remove_energy_gain(struct pdyn_sim *sim, double h, double rise) {
         kinetic += 0.5 * objective->mass[i] * speed * speed;
     }
     if (!(gained > 0.0)) return;
-    double part = sqrt(fmax(0.0, 1.0 - gained / kinetic));
+    sim->slowed = fmin(1.0, gained / kinetic);
+    double part = sqrt(1.0 - sim->slowed);
     for (int k = 0; k < 3 * objective->particles; k++) {
         if (!particle_is_live(sim, k / 3)) continue;
         double v = mean[k % 3] + part * (sim->v[k] - mean[k % 3]);
@@ -125,6 +126,7 @@ pdyn_status velocities_measure_rise(struct pdyn_sim *sim, bool far_off, double *
 }
 
 void velocities_update(struct pdyn_sim *sim, double h, double rise) {
+    sim->slowed = 0.0;
     if (may_gain(sim, sim->far_off)) {
         update_unsolved(sim, h, rise);
         return;

@@ -25,6 +25,20 @@ static void warn_unsolved(struct pdyn_sim *sim) {
     }
 }
 
+/* Half of the kinetic energy is a loss that pictures show. */
+static const double much_slower = 0.5;
+
+static void warn_slowed(struct pdyn_sim *sim) {
+    if (sim->slowed <= much_slower) return;
+    struct warning *w =
+        warnings_count(&sim->warnings, WARNING_SLOWED, "", sim->time, 1, sim->slowed);
+    warnings_say(sim->context, w,
+                 "%ld of %ld steps end so far from solved that they take away more than half of "
+                 "the motion (up to %.0f %% of the kinetic energy): more \"outer_iterations\" or "
+                 "shorter steps",
+                 w->count, sim->steps, 100.0 * w->worst);
+}
+
 static void warn_retries(struct pdyn_sim *sim, int retries) {
     if (!retries) return;
     struct warning *w =
@@ -181,6 +195,7 @@ static void warn_fallen(struct pdyn_sim *sim) {
 
 void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
     warn_unsolved(sim);
+    warn_slowed(sim);
     warn_retries(sim, info->retries);
     warn_compressed(sim, info->density_error_mean);
     warn_of_gaps(sim, info->density_error_max);
