@@ -16,7 +16,10 @@ static int suits(const pdyn_model *model, const char **reason) {
     bool constant = !model->dynamic && !model->newton;
     *reason = constant ? "the matrix is constant: it is factored once per length of step"
                        : "a factorisation in every iteration";
-    if (model->solve_bodies) return 0; /* of rigid bodies, H is no sparse matrix of particles */
+    if (model->solve_bodies) {
+        *reason = "it has rigid bodies, whose matrix is not a sparse one of particles";
+        return 0;
+    }
     return constant ? 20 : 2;
 }
 

@@ -78,8 +78,9 @@ static void release(void *self) {
 
 static int suits(const pdyn_model *model, const char **reason) {
     bool alone = !model->elements_count && !model->dynamic_count && !model->solve_bodies;
-    *reason = "fluids act alone: their pressures are the unknowns";
+    *reason = "it has no fluid, whose pressures would be the unknowns";
     if (!model->one_sided_count) return 0;
+    *reason = "fluids act alone: their pressures are the unknowns";
     if (model->newton && alone) return 40;
     bool with_bodies = model->newton && model->solve_bodies && !model->elements_count;
     if (with_bodies) *reason = "pressures are the unknowns beside rigid bodies";

@@ -29,6 +29,11 @@ static pdyn_status check_enclosing(struct reader *r, const struct json_at *at, c
     return status == PDYN_OK ? PDYN_OK : json_wrap(at, status);
 }
 
+static const char *kind_of(const struct scene_body *body) {
+    if (body->is_rigid) return "a rigid body";
+    return body->has_mesh ? "a surface" : "a body of particles";
+}
+
 /* Checks that a constraint of this type is allowed on the body. */
 static pdyn_status check_type(struct reader *r, const struct json_at *at,
                               const struct scene_body *body, int index) {
@@ -38,16 +43,16 @@ static pdyn_status check_type(struct reader *r, const struct json_at *at,
             return json_fail(at, "a second \"%s\" constraint on body \"%s\"", type->name,
                              body->name);
     if (type->flags & PDYN_ON_SURFACE && !body->has_mesh)
-        return json_fail(at, "\"%s\" works on a surface, found a body of particles", type->name);
+        return json_fail(at, "\"%s\" works on a surface, found %s", type->name, kind_of(body));
     if (type->flags & PDYN_ON_CLOSED) {
         pdyn_status status = check_enclosing(r, at, type->name);
         if (status != PDYN_OK) return status;
     }
     if (type->flags & PDYN_ON_VOLUME && !body->tets.count)
-        return json_fail(at, "\"%s\" works on a volume, found %s", type->name,
-                         body->has_mesh ? "a surface" : "a body of particles");
+        return json_fail(at, "\"%s\" works on a volume, found %s", type->name, kind_of(body));
     if (type->flags & PDYN_ON_PARTICLES && body->has_mesh)
-        return json_fail(at, "\"%s\" works on a body of particles, found a surface", type->name);
+        return json_fail(at, "\"%s\" works on a body of particles, found %s", type->name,
+                         body->tets.count ? "a volume" : kind_of(body));
     if (needs_neighbour_lists(type) && body->start.count > MAX_FLUID_PARTICLES - body->budget)
         return json_fail(at,
                          "\"%s\" works on at most %d particles, budgets of inlets included, found "

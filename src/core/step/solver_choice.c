@@ -68,7 +68,9 @@ static pdyn_status find_solver(struct pdyn_sim *sim, const char *name,
         return context_fail(sim->context, PDYN_BAD_INPUT, "this build has no solver \"%s\"", name);
     if (!bid_of(sim, solver, &reason))
         return context_fail(sim->context, PDYN_BAD_INPUT,
-                            "solver \"%s\" does not fit this scene: %s", name, solver->summary);
+                            "solver \"%s\" does not fit this scene: %s; expected another one, or "
+                            "\"auto\", which takes one that fits",
+                            name, *reason ? reason : solver->summary);
     return check_dense(sim, solver);
 }
 
