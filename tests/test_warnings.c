@@ -534,6 +534,42 @@ static void test_without_elements(void **state) {
     pdyn_destroy(context);
 }
 
+/* Loads a scene and returns whether it has a warning of a code about the sheet. */
+static bool warns(const char *scene, const char *code) {
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, scene);
+    bool found = find_warning(sim, code, "sheet").code;
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return found;
+}
+
+/* A stiffness of 0 has no effect; one that rises from 0 has, and a sheet need not resist bending.
+ */
+static void test_no_stiffness(void **state) {
+    (void)state;
+    const char *rising =
+        SCENE(STEPS,
+              SHEET("{'type': 'pin', 'vertices': {'border': true}, 'stiffness': [{'time': 0, "
+                    "'stiffness': 0}, {'time': 1, 'stiffness': 10}]}"),
+              "");
+    assert_true(warns(SCENE(STEPS,
+                            SHEET("{'type': 'pin', 'vertices': {'border': true}, "
+                                  "'stiffness': 0}"),
+                            ""),
+                      "no-effect"));
+    assert_false(warns(rising, "no-effect"));
+    assert_false(warns(SCENE(STEPS, SHEET(BENDING("0")), ""), "no-effect"));
+}
+
+/* A light sheet floats on water, but not without gravity. */
+static void test_weightless(void **state) {
+    (void)state;
+#define RAFT PAIR(FLUID_BOX("", "0.02", "0, -0.2, 0", "0.1, -0.1, 0.1", ""), SHEET(BENDING("0")))
+    assert_true(warns(SCENE(STEPS, RAFT, ""), "too-light"));
+    assert_false(warns(SCENE(WEIGHTLESS, RAFT, ""), "too-light"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sheet),
@@ -557,6 +593,8 @@ int main(void) {
         cmocka_unit_test(test_pressed),
         cmocka_unit_test(test_gaps),
         cmocka_unit_test(test_without_elements),
+        cmocka_unit_test(test_no_stiffness),
+        cmocka_unit_test(test_weightless),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);

@@ -7,6 +7,7 @@
 #include "projdyn/vec3.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -73,6 +74,33 @@ static void check_elements(struct pdyn_sim *sim) {
         WARN(sim, NO_EFFECT, batch->view.body->name,
              "\"%s\" has no effect: it has no elements on this body", batch->type->name);
     }
+}
+
+/* Whether the scene gives a constraint one stiffness, which the scene does not change. A bending
+ * rigidity is no stiffness here: 0 is common, as a sheet keeps together without. */
+static bool has_one_stiffness(const struct scene_constraint *c) {
+    bool found = false;
+    for (const pdyn_param *p = c->type->params; p->name; p++)
+        found |= strstr(p->name, "stiffness") != NULL;
+    return found && !c->keyed_params;
+}
+
+/* Constraints whose elements all have the weight 0 because of their stiffness. */
+static void check_stiffness(struct pdyn_sim *sim, const struct scene_constraint *c,
+                            const struct batch *batch) {
+    double largest = 0.0;
+    if (batch->op || batch->off || !batch->view.elements || !batch_is_steady(batch)) return;
+    if (!has_one_stiffness(c)) return;
+    for (int e = 0; e < batch->view.elements; e++) largest = fmax(largest, batch->view.weight[e]);
+    if (largest == 0.0)
+        WARN(sim, NO_EFFECT, batch->view.body->name, "\"%s\" has no effect: its stiffness is 0",
+             c->type->name);
+}
+
+static void check_all_stiffness(struct pdyn_sim *sim) {
+    for (int b = 0, k = 0; b < sim->bodies; b++)
+        for (int m = 0; m < sim->scene.body[b].constraints; m++, k++)
+            check_stiffness(sim, &sim->scene.body[b].constraint[m], sim->objective.batch[k]);
 }
 
 /* Forces within a rigid body add up to nothing. */
@@ -244,6 +272,7 @@ pdyn_status warn_of_scene(struct pdyn_sim *sim) {
     check_probes(sim);
     warn_of_meshes(sim);
     check_elements(sim);
+    check_all_stiffness(sim);
     check_contact(sim);
     warn_of_flow(sim);
     warn_of_water(sim);

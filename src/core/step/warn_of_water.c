@@ -4,6 +4,8 @@
 #include "sim.h"
 #include "warn.h"
 
+#include "projdyn/vec3.h"
+
 /* Mean edge lengths of meshes in fluid, in particle spacings (docs/results/interface.md). */
 static const double min_edge = 0.25, max_edge = 8.0;
 /* Shares of the mass of a layer of particles: a sheet below the first stays on the water, a body
@@ -102,7 +104,11 @@ static void check_edges(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
 }
 
 void warn_of_water(struct pdyn_sim *sim) {
+    const struct scene_settings *settings = &sim->scene.settings;
     const pdyn_body *fluid = find_fluid(sim);
-    for (int b = 0; b < sim->bodies && fluid; b++)
-        check_weight(sim, b, fluid), check_edges(sim, b, fluid);
+    bool sinks = vec3_length(settings->gravity) > 0.0 || settings->gravity_keys.path.count;
+    for (int b = 0; b < sim->bodies && fluid; b++) {
+        if (sinks) check_weight(sim, b, fluid);
+        check_edges(sim, b, fluid);
+    }
 }
