@@ -87,8 +87,9 @@ static struct trial start(const char *solver) {
     const char *set[] = {solver, "solver.linear_tolerance=1e-12", "solver.tolerance=1e-6"};
     assert_int_equal(
         pdyn_load_text(t.context, scene("", DOWN, bodies, BALL), "test", set, 3, &t.sim), PDYN_OK);
-    assert_int_equal(contact_begin(t.sim->objective.contact, t.sim->x, t.sim->v, 0.01, 1.0),
-                     PDYN_OK);
+    assert_int_equal(contact_begin(t.sim->objective.contact, t.sim->x, 1.0), PDYN_OK);
+    for (int e = 0; e < t.sim->objective.contact->start.view.count; e++)
+        t.sim->objective.contact->start.contact[e].force = 0.01; /* no step has set them */
     t.n = 3 * t.sim->objective.particles;
     t.x = test_vector(t.n), t.gradient = test_vector(t.n), t.u = test_vector(t.n),
     t.y = test_vector(t.n), t.z = test_vector(t.n);
@@ -481,6 +482,61 @@ static void test_incline(void **state) {
     assert_true(slide(angle, 0.99 * steep, 60) > 0.9 * 0.01 * 9.81 * sin(angle));
 }
 
+/* A body on its way to a floor, 4 m/s along it and 2 m/s down. Returns the change of its
+ * momentum along the floor over the impulse of the floor. */
+static double land(const char *body, double mu, const char *integrator) {
+    char text[2048];
+    snprintf(text, sizeof text,
+             "{'duration': 10, 'frame_interval': 10, 'time_step': {'fixed': 0.005, 'integrator': "
+             "'%s'}, 'solver': {'tolerance': 1e-3}, 'contact': {'thickness': 0.004, 'friction': "
+             "%g}, 'solids': [" FLOOR "], 'bodies': [{%s, 'velocity': [4, -2, 0]}]}",
+             integrator, mu, body);
+    pdyn_context *c = test_context(1);
+    pdyn_sim *sim = test_load(c, text);
+    double mass = 0.0, momentum[2];
+    for (int i = 0; i < sim->objective.particles; i++) mass += sim->objective.mass[i];
+    for (int k = 0; k < 60; k++) {
+        pdyn_step_info info = test_step(c, sim);
+        assert_true(info.step_residual < 1e-3);
+        momentum[0] = info.momentum[0], momentum[1] = info.momentum[1];
+    }
+    double time = pdyn_time(sim);
+    pdyn_free(sim);
+    pdyn_destroy(c);
+    return (4.0 * mass - momentum[0]) / (momentum[1] + mass * (2.0 + 9.81 * time));
+}
+
+/* Friction in an impact: Coulomb's law for the impulses, at any restitution. */
+static void test_landing(void **state) {
+    (void)state;
+    static const struct {
+        const char *body;
+        double mu;   /* the ball does not begin to roll */
+        double most; /* with bdf2, over mu: dashpots that pull lessen the impulse of the floor */
+    } landing[] = {
+        {"'rigid': {'box': {'minimum': [-0.2, -0.1, -0.2], 'maximum': [0.2, -0.08, 0.2]}, "
+         "'density': 1000}",
+         0.3, 1.15},
+        {"'rigid': {'sphere': {'center': [0, -0.05, 0], 'radius': 0.1}, 'density': 500}", 0.1,
+         1.25},
+        {"'surface': {'grid': {'size': [0.4, 0.4], 'vertices': [9, 9]}, 'area_density': 0.2, "
+         "'translate': [0, -0.1, 0]}, 'constraints': [{'type': 'triangle', "
+         "'stretching_stiffness': 1e3}, {'type': 'bending', 'bending_rigidity': 1e-3}]",
+         0.3, 1.03},
+        {"'volume': {'grid': {'size': [0.4, 0.1, 0.4], 'cells': [4, 2, 4]}, 'density': 500, "
+         "'translate': [0, -0.05, 0]}, 'constraints': [{'type': 'tet', 'stiffness': 1e5, "
+         "'damping': 0.003}]",
+         0.3, 1.03}};
+    for (size_t k = 0; k < sizeof landing / sizeof *landing; k++) {
+        double mu = landing[k].mu;
+        double euler = land(landing[k].body, mu, "euler") / mu;
+        double bdf2 = land(landing[k].body, mu, "bdf2") / mu;
+        printf("friction over mu times the normal impulse: euler %.3f, bdf2 %.3f\n", euler, bdf2);
+        assert_true(euler > 0.9 && euler < 1.03);
+        assert_true(bdf2 > 0.9 && bdf2 < landing[k].most);
+    }
+}
+
 /* ---- scenes ---------------------------------------------------------------------------------- */
 
 static void assert_refused(const char *text, const char *expected) {
@@ -663,6 +719,7 @@ int main(void) {
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_allocations),
         cmocka_unit_test(test_incline),
+        cmocka_unit_test(test_landing),
         cmocka_unit_test(test_boxes_that_overlap),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_not_self),

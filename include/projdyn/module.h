@@ -157,8 +157,8 @@ typedef struct pdyn_contact {
     double separation[3];  /* m: the shortest vector when the contact was found */
     double side[3];        /* m: a side of the second primitive, which turns with it */
     double shift[3];       /* m: what solids that move add to it in this step; 0 in a local step */
-    double damping;        /* N: its part of the force of the dashpots of rigid bodies when the step
-                              begins, negative: they pull; 0 in a local step */
+    double force;          /* N: its mean normal force in the step before, with its share of the
+                              dashpots of rigid bodies; 0 where it is new, and in a local step */
     double distance;       /* m: its length, below the thickness */
     double thickness;      /* m: the distance at which contact begins */
     double share;          /* of the stiffness, up to 1; less for nearly parallel edges, whose

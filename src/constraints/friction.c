@@ -1,9 +1,9 @@
 /* Friction of surfaces and solids by Coulomb's law. Each pair that is in contact when a step begins
  * is tied along the surfaces by a spring, which gives way where its force exceeds the friction
- * coefficient times the normal force. Weight, normal and normal force are those of the beginning of
- * the step, so that the step minimises one function (lagged friction, Li et al. 2020). The stretch
- * of a spring stays with its pair to the next step, so that a pair that sticks does not creep
- * (Cundall & Strack 1979). */
+ * coefficient times the normal force. Weight and normal are those of the beginning of the step, the
+ * normal force is the mean one of the step before, so that the step minimises one function (lagged
+ * friction, Li et al. 2020). The stretch of a spring stays with its pair to the next step, so that
+ * a pair that sticks does not creep (Cundall & Strack 1979). */
 #include "contact_pair.h"
 #include "projdyn/vec3.h"
 
@@ -50,16 +50,10 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
     }
 }
 
-/* The normal force is that of the barrier and, on a rigid body, of the dashpots. */
 static void begin(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
-    for (int e = first; e < last; e++) {
-        const pdyn_contact *contact = &b->contacts->contact[e];
-        struct spring *spring = (struct spring *)b->data + e;
-        double force =
-            barrier_force(contact_stiffness(b, contact), contact->thickness, contact->distance);
-        spring->limit = b->contacts->friction * fmax(0.0, force + contact->damping);
-    }
+    for (int e = first; e < last; e++)
+        ((struct spring *)b->data)[e].limit = b->contacts->friction * b->contacts->contact[e].force;
 }
 
 /* y: the stretch of the spring, along the surface. Returns its length. */

@@ -13,11 +13,18 @@ static double stiffness_of(const struct contact *c, const pdyn_contact *contact)
 
 /* ---- bearings -------------------------------------------------------------------------------- */
 
-/* The bearing of two groups, a < b; a new one if there is none. NULL without memory. */
-static struct bearing *find(const struct contact *c, int a, int b) {
-    struct bearings *t = c->bearings;
+/* The bearing of two groups, a < b; NULL: there is none. */
+static struct bearing *find(const struct bearings *t, int a, int b) {
     for (int k = t->first[a]; k >= 0; k = t->bearing[k].next)
         if (t->bearing[k].group[1] == b) return &t->bearing[k];
+    return NULL;
+}
+
+/* The same, a new one if there is none. NULL without memory. */
+static struct bearing *find_or_add(const struct contact *c, int a, int b) {
+    struct bearings *t = c->bearings;
+    struct bearing *found = find(t, a, b);
+    if (found) return found;
     struct bearing *all =
         context_grow(c->context, t->bearing, &t->room, (size_t)t->count + 1, sizeof *all);
     if (!all) return NULL;
@@ -65,7 +72,7 @@ static pdyn_status gather(struct contact *c) {
         struct bearing_contact *own = &t->contact[e];
         *own = (struct bearing_contact){-1, stiffness_of(c, &c->start.contact[e])};
         if (is_soft(c, a) || is_soft(c, b) || !(own->stiffness > 0.0)) continue;
-        struct bearing *bearing = a < b ? find(c, a, b) : find(c, b, a);
+        struct bearing *bearing = a < b ? find_or_add(c, a, b) : find_or_add(c, b, a);
         if (!bearing) return PDYN_NO_MEMORY;
         own->bearing = (int)(bearing - t->bearing);
         add_contact(c, bearing, e);
@@ -168,23 +175,11 @@ static double rolling(const struct bearing *bearing, const struct end end[2]) {
     return bearing->force / curvature;
 }
 
-/* The force of all dashpots when the step begins, N; v: velocities then, m/s; h: length of the
- * step, s. The contacts' own rates would be no measure of it: the skin of a body that spins has
- * other velocities than its centre. */
-static double force_of(const struct bearing *bearing, const pdyn_dashpot *central, const double *v,
-                       double h) {
-    double rate = bearing->shift / h;
-    for (int k = 0; k < 2 * RIGID_POINTS; k++)
-        rate += central->coefficient[k] *
-                vec3_dot(bearing->normal, v + 3 * (size_t)central->particle[k]);
-    return fmax(-bearing->net, -bearing->damping * rate);
-}
-
 /* Four dashpots at the ends of a cross have the stiffness of the bearing against a push along the
  * normal and against two tilts, less what rolling has. Contacts on opposite sides, as in a slot,
  * have little net force, and nothing is damped along their mean normal. */
 static void set_dashpots(const struct contact *c, struct bearing *bearing, const double *x,
-                         const double *v, double h, pdyn_dashpot *dashpot) {
+                         pdyn_dashpot *dashpot) {
     static const double none[3] = {0};
     const struct bearings *t = c->bearings;
     const struct end end[2] = {end_of(t, bearing, 0, x), end_of(t, bearing, 1, x)};
@@ -193,7 +188,6 @@ static void set_dashpots(const struct contact *c, struct bearing *bearing, const
     double roll = rolling(bearing, end), part = bearing->net / bearing->force;
     bearing->damping = part * part * 2.0 * c->settings->damping *
                        sqrt(bearing->stiffness / inverse_mass(&central, end));
-    bearing->dashpot_force = force_of(bearing, &central, v, h);
     for (int k = 0; k < BEARING_DASHPOTS; k++) {
         double rest = fmax(0.0, tilt.s[k / 2] - roll), offset[3] = {0};
         vec3_add(offset, (k % 2 ? -1.0 : 1.0) * sqrt(2.0 * rest / bearing->stiffness),
@@ -221,7 +215,7 @@ static pdyn_status reserve_dashpots(struct contact *c) {
     return PDYN_OK;
 }
 
-pdyn_status bearings_update(struct contact *c, const double *x, const double *v, double h) {
+pdyn_status bearings_update(struct contact *c, const double *x) {
     struct bearings *t = c->bearings;
     pdyn_status status = reserve_contacts(c);
     if (status == PDYN_OK) status = gather(c);
@@ -229,14 +223,24 @@ pdyn_status bearings_update(struct contact *c, const double *x, const double *v,
     if (status != PDYN_OK) return status;
     complete(c);
     for (int k = 0; k < t->count; k++)
-        set_dashpots(c, &t->bearing[k], x, v, h, t->dashpot + (size_t)BEARING_DASHPOTS * (size_t)k);
-    for (int e = 0; e < c->start.view.count; e++) {
-        const struct bearing_contact *own = &t->contact[e];
-        if (own->bearing < 0) continue;
-        const struct bearing *bearing = &t->bearing[own->bearing];
-        c->start.contact[e].damping = bearing->dashpot_force * own->stiffness / bearing->stiffness;
-    }
+        set_dashpots(c, &t->bearing[k], x, t->dashpot + (size_t)BEARING_DASHPOTS * (size_t)k);
     return PDYN_OK;
+}
+
+/* The bearing of contact e of the end of the step; NULL: none. */
+static struct bearing *bearing_at_end(const struct contact *c, int e) {
+    const int *point = c->current.stencil[e].point;
+    int a = c->group[point[0]], b = c->group[point[3]];
+    return a < b ? find(c->bearings, a, b) : find(c->bearings, b, a);
+}
+
+void bearings_add_forces(struct contact *c) {
+    struct bearing *bearing;
+    for (int e = 0; e < c->current.view.count; e++)
+        if ((bearing = bearing_at_end(c, e))) bearing->pressed += c->current.force[e];
+    for (int e = 0; e < c->current.view.count; e++)
+        if ((bearing = bearing_at_end(c, e)) && bearing->pressed > 0.0)
+            c->current.force[e] *= fmax(0.0, 1.0 + bearing->dashpot_force / bearing->pressed);
 }
 
 int bearings_solid(const struct contact *c, int dashpot) {

@@ -18,7 +18,8 @@ struct bearing {
     double tilt[9];       /* N m: sum of b'' r r', r: from the centre, across the normal */
     double shift;         /* m: what a solid that moves adds to the distance in this step */
     double damping;       /* c of all dashpots together, N s/m */
-    double dashpot_force; /* N: of these when the step begins */
+    double dashpot_force; /* N: of these in the step, negative: they pull */
+    double pressed;       /* N: sum of the contacts' forces at its end */
 };
 
 struct bearing_contact { /* of a contact of the beginning of the step */
@@ -41,10 +42,13 @@ struct bearings {
 pdyn_status bearings_create(struct contact *contact, const struct rigid_map *map);
 void bearings_free(struct contact *contact);
 
-/* Sets the dashpots of the contacts of the beginning of the step, and the parts of the contacts in
- * their force. x, v: positions, m, and velocities, m/s, of the system then, particles x 3; h:
- * length of the step, s. */
-pdyn_status bearings_update(struct contact *contact, const double *x, const double *v, double h);
+/* Sets the dashpots of the contacts of the beginning of the step. x: positions of the system then,
+ * m, particles x 3. */
+pdyn_status bearings_update(struct contact *contact, const double *x);
+
+/* Adds dashpot_force of each bearing to the normal forces of its contacts at the end of the step
+ * (current.force), in proportion to these. */
+void bearings_add_forces(struct contact *contact);
 
 /* The solid on which a dashpot acts, at its u; -1: none. */
 int bearings_solid(const struct contact *contact, int dashpot);

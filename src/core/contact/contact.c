@@ -178,15 +178,14 @@ double contact_lag(const struct contact *c, int solid) {
     return lag;
 }
 
-pdyn_status contact_begin(struct contact *c, const double *x, const double *v, double h,
-                          double time) {
+pdyn_status contact_begin(struct contact *c, const double *x, double time) {
     double start = clock_ms();
     c->common_known = false;
     memset(c->common, 0, 3 * (size_t)c->bodies * sizeof *c->common);
     copy_solids(c, solids_in(c, c->at), c->begin);
     if (c->moving) set_goals(c, time);
     pdyn_status status = contact_set_start(c);
-    if (status == PDYN_OK && c->bearings) status = bearings_update(c, x, v, h);
+    if (status == PDYN_OK && c->bearings) status = bearings_update(c, x);
     c->ms += clock_ms() - start;
     return status;
 }
@@ -228,6 +227,7 @@ void contact_persist(struct contact *c, struct snapshot_file *a) {
     snapshot_file_range(a, c->at, 3 * n, STATE_MAX_POSITION,
                         "a position of contact is out of range");
     snapshot_file_flags(a, &c->lagging, 1, "the flag of solids is neither 0 nor 1");
+    row_memory_persist(c->context, &c->pressed, sizeof *c->current.force, a);
     if (!a->view.reading || a->status != PDYN_OK) return;
     snapshot_file_require(a, regions_are_valid(c), "a region of contact is wrong");
     if (a->status == PDYN_OK) a->status = contact_list(c);

@@ -14,6 +14,7 @@
 #include "geometry/bvh.h"
 #include "geometry/distance.h"
 #include "rows/batch.h"
+#include "rows/row_memory.h"
 #include "scene/scene.h"
 
 struct pair {         /* two primitives that may come into contact */
@@ -41,6 +42,8 @@ struct contact_list {
     int room;
     pdyn_contact *contact;   /* room */
     struct stencil *stencil; /* room: of the same contacts */
+    uint64_t *key;           /* room: scratch, their keys */
+    double *force;           /* room: scratch, their normal forces, N */
     pdyn_contacts view;      /* what constraints see */
 };
 
@@ -159,6 +162,7 @@ struct contact {
     struct contact_list current; /* of the last local step */
     struct contact_list start;   /* of the beginning of the step */
     struct bearings *bearings;   /* of the latter; NULL: without rigid bodies or damping */
+    struct row_memory pressed;   /* N: normal forces of the last step, by the keys of contacts */
 };
 
 struct contact_def { /* what contact is made of; all but x must outlive it */
@@ -181,11 +185,12 @@ void contact_free(struct contact *contact);
  * contact_local. */
 pdyn_status contact_check(struct contact *contact);
 
-/* Begins a step of length h, s, to `time` at the positions x of the last local step and the
- * velocities v: the contacts there become those of the beginning of the step, and solids get their
- * poses at `time` as goals. */
-pdyn_status contact_begin(struct contact *contact, const double *x, const double *v, double h,
-                          double time);
+/* Begins a step to `time` at the positions x of the last local step: the contacts there become
+ * those of the beginning of the step, and solids get their poses at `time` as goals. */
+pdyn_status contact_begin(struct contact *contact, const double *x, double time);
+
+/* Stores the normal forces current.force of the step that ends, for the friction of the next. */
+void contact_store_forces(struct contact *contact);
 
 /* Undoes a step that failed: solids go back to where it began, surfaces are at x. */
 pdyn_status contact_take_back(struct contact *contact, const double *x);

@@ -189,6 +189,7 @@ void contact_free(struct contact *c) {
     FREE_ARRAY(x, c->found.count, c->found.blocks);
     contact_list_free(x, &c->current);
     contact_list_free(x, &c->start);
+    row_memory_free(x, &c->pressed, sizeof *c->current.force);
     bearings_free(c);
     for (int k = 0; k < 2; k++) {
         bvh_free(x, &c->broad.face_tree[k]);

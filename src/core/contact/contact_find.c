@@ -15,7 +15,9 @@ static pdyn_status reserve(pdyn_context *context, struct contact_list *list, int
     list->room = count + count / 2;
     list->view.contact = list->contact = NEW_ARRAY(context, list->room, pdyn_contact);
     list->stencil = NEW_ARRAY(context, list->room, struct stencil);
-    if (list->contact && list->stencil) return PDYN_OK;
+    list->key = NEW_ARRAY(context, list->room, uint64_t);
+    list->force = NEW_ARRAY(context, list->room, double);
+    if (list->contact && list->stencil && list->key && list->force) return PDYN_OK;
     contact_list_free(context, list);
     return PDYN_NO_MEMORY;
 }
@@ -23,6 +25,8 @@ static pdyn_status reserve(pdyn_context *context, struct contact_list *list, int
 void contact_list_free(pdyn_context *context, struct contact_list *list) {
     FREE_ARRAY(context, list->contact, list->room);
     FREE_ARRAY(context, list->stencil, list->room);
+    FREE_ARRAY(context, list->key, list->room);
+    FREE_ARRAY(context, list->force, list->room);
     list->view.contact = NULL, list->view.count = list->room = 0;
 }
 
@@ -94,6 +98,8 @@ pdyn_status contact_find(struct contact *c) {
     memcpy(c->pairs.seen, c->at, 3 * (size_t)c->points * sizeof *c->pairs.seen);
     for (int b = 0; b < blocks; b++) c->hits.start[b] = count, count += c->hits.count[b];
     pdyn_status status = reserve(c->context, &c->current, count);
+    if (status == PDYN_OK)
+        status = row_memory_reserve(c->context, &c->pressed, count, sizeof *c->current.force);
     if (status != PDYN_OK) return status;
     c->current.view.count = count;
     pool_for(c->context->pool, c->pairs.count, CONTACT_GRAIN, set_contacts, c);
@@ -116,6 +122,23 @@ static void set_shift(const struct contact *c, const struct stencil *s, double s
     }
 }
 
+static void set_keys(struct contact_list *list) {
+    for (int e = 0; e < list->view.count; e++) list->key[e] = list->contact[e].key;
+}
+
+void contact_store_forces(struct contact *c) {
+    struct contact_list *list = &c->current;
+    set_keys(list);
+    row_memory_set(&c->pressed, list->key, list->force, list->view.count, sizeof *list->force);
+}
+
+/* The normal forces of the step before. */
+static void recall_forces(const struct contact *c, struct contact_list *list) {
+    set_keys(list);
+    row_memory_get(&c->pressed, list->key, list->force, list->view.count, sizeof *list->force);
+    for (int e = 0; e < list->view.count; e++) list->contact[e].force = list->force[e];
+}
+
 pdyn_status contact_set_start(struct contact *c) {
     const struct contact_list *from = &c->current;
     struct contact_list *to = &c->start;
@@ -130,6 +153,7 @@ pdyn_status contact_set_start(struct contact *c) {
         set_shift(c, &from->stencil[e], to->contact[to->view.count].shift);
         to->stencil[to->view.count++] = from->stencil[e];
     }
+    recall_forces(c, to);
     return PDYN_OK;
 }
 

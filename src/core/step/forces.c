@@ -9,6 +9,7 @@
 #include "forces.h"
 
 #include "base/registry.h"
+#include "contact/bearings.h"
 #include "sim.h"
 
 #include "projdyn/probe.h"
@@ -57,6 +58,29 @@ static void add_gradient(const struct pdyn_sim *sim, struct batch *b, double *gr
 }
 
 /* ---- batches --------------------------------------------------------------------------------- */
+
+/* Force of dashpot e along its normal, N. */
+static double dashpot_force(const struct pdyn_sim *sim, int e) {
+    const struct batch *b = sim->objective.dashpots;
+    double g[3];
+    forces_row_gradient(sim, b, e, e, g);
+    return -vec3_dot(g, b->view.contacts->dashpot[e].normal);
+}
+
+void forces_store_normal(struct pdyn_sim *sim) {
+    const struct objective *o = &sim->objective;
+    struct contact *c = o->contact;
+    if (!o->friction) return;
+    for (int e = 0; e < o->barrier->view.elements; e++) {
+        double g[3];
+        forces_row_gradient(sim, o->barrier, e, e, g);
+        c->current.force[e] = vec3_length(g);
+    }
+    for (int e = 0; o->dashpots && e < o->dashpots->view.elements; e++)
+        c->bearings->bearing[e / BEARING_DASHPOTS].dashpot_force += dashpot_force(sim, e);
+    if (c->bearings) bearings_add_forces(c);
+    contact_store_forces(c);
+}
 
 typedef bool choose_fn(const struct batch *batch, const struct batch *constraint);
 

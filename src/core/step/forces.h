@@ -8,6 +8,9 @@
 
 /* At the end of a step: pins that hold a body against impacts pass their mean forces on. */
 void forces_pass_on(struct pdyn_sim *sim);
+/* At the end of a step: stores the mean normal forces of contacts, which limit the friction of the
+ * next one. */
+void forces_store_normal(struct pdyn_sim *sim);
 /* Forces are unknown until the next step has ended. */
 void forces_forget(struct pdyn_sim *sim);
 

@@ -98,6 +98,7 @@ static void accept(struct pdyn_sim *sim, double h, double rise) {
     for (int b = 0; b < objective->batches; b++)
         batch_accept(objective->batch[b], sim->left_out, sim->solved);
     forces_pass_on(sim);
+    forces_store_normal(sim);
     sim->last_h = h;
     sim->steps++;
 }
@@ -117,8 +118,7 @@ static pdyn_status attempt(struct pdyn_sim *sim, const struct step_end *end,
     *progress = (struct progress){0};
     if (sim->neighbours) neighbours_begin_step(sim->neighbours, sim->x);
     struct contact *contact = sim->objective.contact;
-    pdyn_status status =
-        contact ? contact_begin(contact, sim->x, sim->v, end->h, end->time) : PDYN_OK;
+    pdyn_status status = contact ? contact_begin(contact, sim->x, end->time) : PDYN_OK;
     if (status == PDYN_OK) status = prepare_lists(sim);
     if (status == PDYN_OK) status = predict(sim, end);
     if (status == PDYN_OK)
