@@ -537,6 +537,29 @@ static void test_landing(void **state) {
     }
 }
 
+/* A sheet that slides on a floor with 2 m/s from the first step on, pressed into it by several
+ * times its weight at the start: it stops after v^2 / (2 mu g). */
+static void test_first_step(void **state) {
+    (void)state;
+    for (double h = 0.005; h < 0.03; h += 0.015) {
+        char text[1024];
+        snprintf(text, sizeof text,
+                 "{'duration': 10, 'frame_interval': 10, 'time_step': {'fixed': %g}, 'contact': "
+                 "{'thickness': 0.004, 'friction': 0.3}, 'solids': [" FLOOR "], 'bodies': "
+                 "[{'surface': {" GRID(5) ", 'translate': [0, -0.1963, 0], 'area_density': 0.2}, "
+                                          "'velocity': [2, 0, 0], " HELD "}]}",
+                 h);
+        pdyn_context *c = test_context(1);
+        pdyn_sim *sim = test_load(c, text);
+        double from = sim->x[0], exact = 4.0 / (2.0 * 0.3 * 9.81);
+        while (pdyn_time(sim) < 1.0) test_step(c, sim);
+        printf("%g s: slides %.3f m of %.3f m\n", h, sim->x[0] - from, exact);
+        assert_true(fabs(sim->x[0] - from - exact) < 0.05 * exact);
+        pdyn_free(sim);
+        pdyn_destroy(c);
+    }
+}
+
 /* ---- scenes ---------------------------------------------------------------------------------- */
 
 static void assert_refused(const char *text, const char *expected) {
@@ -720,6 +743,7 @@ int main(void) {
         cmocka_unit_test(test_allocations),
         cmocka_unit_test(test_incline),
         cmocka_unit_test(test_landing),
+        cmocka_unit_test(test_first_step),
         cmocka_unit_test(test_boxes_that_overlap),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_not_self),

@@ -167,11 +167,26 @@ static bool moved_too_far(const struct pdyn_sim *sim, double h) {
     return false;
 }
 
+/* Friction of the first step has no step before that gives it normal forces: those of a step
+ * without friction, which is taken back, take their place. */
+static pdyn_status find_first_normal_forces(struct pdyn_sim *sim, const struct step_end *end) {
+    const struct objective *objective = &sim->objective;
+    struct progress progress;
+    double eps = sim->eps;
+    if (sim->steps || !objective->friction || !objective->contact->current.view.count)
+        return PDYN_OK;
+    pdyn_status status = attempt(sim, end, &progress);
+    if (status == PDYN_OK) forces_store_normal(sim);
+    sim->eps = eps;
+    return status == PDYN_OK || status == PDYN_DIVERGED ? take_back(sim) : status;
+}
+
 /* Attempts the step with shorter and shorter lengths, up to the number of retries of the scene. */
 static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *end,
                                         struct progress *progress, int *retries) {
     double eps = sim->eps, history = sim->history;
-    pdyn_status status = attempt(sim, end, progress);
+    pdyn_status status = find_first_normal_forces(sim, end);
+    if (status == PDYN_OK) status = attempt(sim, end, progress);
     while (*retries < sim->scene.settings.retries &&
            (status == PDYN_DIVERGED || (status == PDYN_OK && moved_too_far(sim, end->h)))) {
         if ((status = take_back(sim)) != PDYN_OK) break;
