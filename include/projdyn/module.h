@@ -576,8 +576,8 @@ typedef struct pdyn_global_solver {
                     of one-sided constraints itself, and the next step starts from s */
     size_t state_size; /* at least 1; zeroed before create */
     /* How well it suits the scene: 0: it cannot solve it; otherwise the solver with the largest bid
-     * is chosen where a scene asks for none. *reason: why, in words, for the report, or, with 0, for the error. NULL:
-     * 1. */
+     * is chosen where a scene asks for none. *reason: why, in words, for the report, or, with 0,
+     * for the error. NULL: 1. */
     int (*suits)(const pdyn_model *model, const char **reason);
     /* Refers to the model from now on. After a failure free is called, too. It is called when a
      * scene is loaded, and again in a run, where a constraint begins or ends or a parameter
