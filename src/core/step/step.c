@@ -172,12 +172,14 @@ static bool moved_too_far(const struct pdyn_sim *sim, double h) {
 static pdyn_status find_first_normal_forces(struct pdyn_sim *sim, const struct step_end *end) {
     const struct objective *objective = &sim->objective;
     struct progress progress;
+    void (*observer)(void *, const pdyn_iteration *) = sim->observer;
     double eps = sim->eps;
     if (sim->steps || !objective->friction || !objective->contact->current.view.count)
         return PDYN_OK;
+    sim->observer = NULL;
     pdyn_status status = attempt(sim, end, &progress);
     if (status == PDYN_OK) forces_store_normal(sim);
-    sim->eps = eps;
+    sim->observer = observer, sim->eps = eps;
     return status == PDYN_OK || status == PDYN_DIVERGED ? take_back(sim) : status;
 }
 
