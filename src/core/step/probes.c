@@ -205,9 +205,12 @@ static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
 
 static void start_places(struct pdyn_sim *sim) {
     struct probes *p = sim->probes;
-    double *x = p->x;
-    for (int k = 0; k < p->count; x += 3 * (size_t)sim->scene.probe[k++].at.count)
-        probe_place_start(sim, &sim->scene.probe[k], x, &p->place[k]);
+    size_t first = 0;
+    for (int k = 0; k < p->count; k++) {
+        const struct scene_probe *probe = &sim->scene.probe[k];
+        probe_place_start(sim, probe, probe->at.count ? p->x + first : NULL, &p->place[k]);
+        first += 3 * (size_t)probe->at.count;
+    }
 }
 
 static pdyn_status check_walls(const struct pdyn_sim *sim) {
