@@ -124,7 +124,8 @@ static void fill(struct linear_rows *k, const struct batch *b, int *place) {
     if (k->count) memset(place, 0, 2 * (size_t)k->count * sizeof *place);
     for (int i = 0; i < k->count; i++) {
         int from = k->start[i];
-        sum_row(b, i, place, k->column + from, k->value + from, &k->diagonal[i]);
+        int *column = k->entries ? k->column + from : NULL;
+        sum_row(b, i, place, column, k->entries ? k->value + from : NULL, &k->diagonal[i]);
         k->own[i] = k->diagonal[i];
         for (int t = from; t < k->start[i + 1]; t++) k->own[i] += k->value[t];
     }
