@@ -69,8 +69,7 @@ pdyn_status previous_run_list(pdyn_writer *writer) {
     return status;
 }
 
-/* ---- files and frames --------------------------------------------------------------------------
- */
+/* ---- removal --------------------------------------------------------------------------------- */
 
 static bool is_frame_of(const char *name, const char *file) {
     size_t length = strlen(name);

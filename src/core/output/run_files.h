@@ -17,7 +17,7 @@
 #define SOLIDS_FOLDER "solids/"  /* of the files of solids */
 #define MESH_FOLDER   "mesh/"    /* of the surfaces of fluids by `projdyn mesh` */
 
-#define SHAPE_ENDING  ".vtk" /* of a frame, and of what is at rest */
+#define SHAPE_ENDING  ".vtk" /* of frames, and of the one file of a solid at rest */
 #define SERIES_ENDING ".vtk.series"
 #define SKIN_ENDING   ".skin.vtk"
 #define PLY_ENDING    ".ply"

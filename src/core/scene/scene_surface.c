@@ -12,12 +12,7 @@ static pdyn_status read_grid(struct reader *r, const struct json_at *at, struct 
     int *vertices = r->body->grid;
     pdyn_status status = params_check_keys(at, NULL, keys);
     if (status == PDYN_OK) status = params_reals(&size_at, 2, 1e-6, 1e6, "m", size);
-    if (status == PDYN_OK && json_array_size(vertices_at.value) != 2)
-        status = json_expected(&vertices_at, "an array of 2 whole numbers");
-    for (size_t k = 0; k < 2 && status == PDYN_OK; k++) {
-        struct json_at element = json_element(&vertices_at, k);
-        status = params_int(&element, 2, MAX_PARTICLES, &vertices[k]);
-    }
+    if (status == PDYN_OK) status = params_ints(&vertices_at, 2, 2, MAX_PARTICLES, vertices);
     if (status == PDYN_OK)
         status =
             reader_add_particles(&vertices_at, (double)vertices[0] * vertices[1], &r->particles);

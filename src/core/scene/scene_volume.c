@@ -14,17 +14,12 @@ static const pdyn_param volume_params[] = {
 static pdyn_status read_tet_grid(struct reader *r, const struct json_at *at) {
     static const char *const keys[] = {"size", "cells", NULL};
     struct json_at size_at = json_member(at, "size"), cells_at = json_member(at, "cells");
-    double size[3], vertices = 1.0;
+    double size[3], vertices = 0.0;
     int cells[3];
     pdyn_status status = params_check_keys(at, NULL, keys);
     if (status == PDYN_OK) status = params_reals(&size_at, 3, 1e-6, 1e6, "m", size);
-    if (status == PDYN_OK && json_array_size(cells_at.value) != 3)
-        status = json_expected(&cells_at, "an array of 3 whole numbers");
-    for (size_t k = 0; k < 3 && status == PDYN_OK; k++) {
-        struct json_at element = json_element(&cells_at, k);
-        status = params_int(&element, 1, MAX_PARTICLES, &cells[k]);
-        vertices *= 1.0 + cells[k];
-    }
+    if (status == PDYN_OK) status = params_ints(&cells_at, 3, 1, MAX_PARTICLES, cells);
+    if (status == PDYN_OK) vertices = (1.0 + cells[0]) * (1.0 + cells[1]) * (1.0 + cells[2]);
     if (status == PDYN_OK) status = reader_add_particles(&cells_at, vertices, &r->particles);
     if (status == PDYN_OK && vertices > MAX_PARTICLES / 16)
         status = json_fail(&cells_at, "more than %d vertices", MAX_PARTICLES / 16);

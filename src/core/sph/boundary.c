@@ -30,6 +30,10 @@ double boundary_support(const struct boundary_model *model, const struct kernel_
     return model->volumes ? kernel->support : zero * kernel->reach;
 }
 
+double boundary_outside(const struct boundary_model *model, const struct kernel_model *kernel) {
+    return model->volumes ? model->outside : kernel->outside;
+}
+
 pdyn_status boundary_volumes(pdyn_context *context, const struct sampling *sampling, int count,
                              const double *x, const double *area, double *volume) {
     const struct boundary_model *model = sampling->model;

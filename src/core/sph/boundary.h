@@ -25,6 +25,8 @@ struct sampling { /* of a surface */
 
 /* Support of the kernel of points on meshes, in particle spacings. */
 double boundary_support(const struct boundary_model *model, const struct kernel_model *kernel);
+/* Distance of the points of a vessel behind its faces, in particle spacings. */
+double boundary_outside(const struct boundary_model *model, const struct kernel_model *kernel);
 
 /* Computes the volumes, m^3, with which the points of a surface enter SPH sums, from their areas,
  * m^2: area times spacing, or 1 / sum W. x: count x 3, m. */

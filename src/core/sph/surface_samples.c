@@ -36,9 +36,8 @@ static void copy_particles(void *arg, int first, int last, int block) {
 
 /* Interpolates sample k from the three corners of its triangle. */
 INLINE void interpolate(const struct surface_samples *s, int k, const double *x, double *out) {
-    double sum[3] = {0};
-    for (int m = 3 * k; m < 3 * k + 3; m++)
-        vec3_add(sum, s->weight[m], x + 3 * (size_t)s->vertex[m]);
+    double sum[3];
+    samples_at(s, k, x, sum);
     memcpy(out + 3 * (size_t)(s->particles + k), sum, sizeof sum);
 }
 

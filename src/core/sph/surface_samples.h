@@ -6,6 +6,8 @@
 #include "base/context.h"
 #include "boundary.h"
 #include "projdyn/module.h"
+#include "projdyn/simd.h"
+#include "projdyn/vec3.h"
 
 /* A sample lies in a triangle and moves with its corners by barycentric weights. With S the matrix
  * of the weights, a vector x of the particles is extended to (x, S x), on which SPH sums work;
@@ -42,6 +44,14 @@ void samples_free(struct surface_samples *samples);
 
 /* out = (x, S x), for all samples. x: particles x 3; out: (particles + count) x 3. */
 void samples_interpolate(const struct surface_samples *samples, const double *x, double *out);
+
+/* The same of sample k alone. */
+INLINE void samples_at(const struct surface_samples *samples, int k, const double *x,
+                       double at[3]) {
+    at[0] = at[1] = at[2] = 0.0;
+    for (int m = 3 * k; m < 3 * k + 3; m++)
+        vec3_add(at, samples->weight[m], x + 3 * (size_t)samples->vertex[m]);
+}
 
 /* Call after the lists were built: finds the active samples. All functions below except
  * samples_update_volumes use active samples only. */

@@ -47,7 +47,8 @@ void probe_place_move(const struct pdyn_sim *sim, struct probe_place *place) {
     for (int k = 0; k < points->count; k++) {
         double arm[3], *x = place->x + 3 * (size_t)k;
         vec3_subtract(arm, points->x + 3 * (size_t)k, place->rest);
-        for (int a = 0; a < 3; a++) x[a] = place->at[a] + vec3_dot(place->R + 3 * a, arm);
+        vec3_multiply(x, place->R, arm);
+        vec3_add(x, 1.0, place->at);
     }
 }
 

@@ -73,15 +73,11 @@ static bool find_sample(const struct wall *wall, int k, struct wall_point *out) 
     const struct surface_samples *samples = sim->samples;
     const pdyn_body *body = &sim->body[wall->probe->on_body];
     const int *vertex = samples->vertex + 3 * (size_t)k;
-    const double *corner[3];
     if (*vertex < body->first || *vertex >= body->first + body->count) return false;
-    memset(out->x, 0, sizeof out->x);
-    for (int m = 0; m < 3; m++) {
-        corner[m] = sim->x + 3 * (size_t)vertex[m];
-        vec3_add(out->x, samples->weight[3 * (size_t)k + (size_t)m], corner[m]);
-    }
+    samples_at(samples, k, sim->x, out->x);
     if (!is_near(wall, out->x)) return false;
-    vec3_normal(out->normal, corner[0], corner[1], corner[2]);
+    vec3_normal(out->normal, sim->x + 3 * (size_t)vertex[0], sim->x + 3 * (size_t)vertex[1],
+                sim->x + 3 * (size_t)vertex[2]);
     vec3_normalise(out->normal);
     out->area = samples->rest_area[k];
     out->force = sim->probes->sample_force + 3 * (size_t)k;

@@ -28,7 +28,7 @@ struct pdyn_sim {
     struct scene scene;
     bool failed; /* diverged: pdyn_step fails */
 
-    /* The state, and what is known of the steps that led to it. */
+    /* The state, and what the last steps leave for the next one. */
     double *x, *v; /* particles x 3, m and m/s */
     double time;   /* s */
     long frame;    /* index of the last frame reached */

@@ -140,7 +140,7 @@ static pdyn_status copy_load(const struct solid_load *load, double force[3], dou
 }
 
 static bool is_source(pdyn_load_source source) {
-    return (int)source >= 0 && source <= PDYN_LOAD_CONTACT;
+    return (int)source >= 0 && (int)source < LOAD_SOURCES;
 }
 
 pdyn_status pdyn_solid_load_by(const pdyn_sim *sim, int solid, pdyn_load_source source,

@@ -12,7 +12,7 @@ static pdyn_status sample_shape(struct pdyn_sim *sim, const struct scene_solid *
                                 double spacing) {
     const struct boundary_model *model = sim->scene.settings.boundary;
     const struct kernel_model *kernel = sim->scene.settings.kernel;
-    double outside = model->volumes ? model->outside : kernel->outside;
+    double outside = boundary_outside(model, kernel);
     double beyond = model->volumes ? model->outside : kernel->beyond;
     const struct face_grid grid = {solid->open, model->grid * spacing, outside * spacing,
                                    beyond * spacing};

@@ -54,32 +54,18 @@ static bool is_held(const struct pdyn_sim *sim, int b) {
     return sim->scene.body[b].is_rigid && sim_pins_body(sim, b);
 }
 
-static int body_of_sample(const struct pdyn_sim *sim, int sample) {
-    int vertex = sim->samples->vertex[3 * (size_t)sample], b = 0;
-    while (vertex >= sim->body[b].first + sim->body[b].count) b++;
-    return b;
-}
-
-/* The distance of boundary points behind the faces of a vessel, m. */
-static double behind_faces(const struct pdyn_sim *sim) {
-    const struct boundary_model *model = sim->scene.settings.boundary;
-    return sim_spacing(sim) *
-           (model->volumes ? model->outside : sim->scene.settings.kernel->outside);
-}
-
 static struct around look_around(const struct pdyn_sim *sim, int i) {
     const pdyn_neighbours *lists = neighbours_view(sim->neighbours);
     const double *x = sim->x + 3 * (size_t)i;
-    double behind = behind_faces(sim);
+    double behind = sim_spacing(sim) *
+                    boundary_outside(sim->scene.settings.boundary, sim->scene.settings.kernel);
     struct around around = {0};
     for (int m = lists->surface_start[i]; m < lists->boundary_start[i]; m++) {
         int sample = lists->index[m] - sim->objective.particles;
-        const struct surface_samples *s = sim->samples;
-        int b = body_of_sample(sim, sample);
-        double point[3] = {0};
+        int b = objective_body_of(&sim->objective, sim->samples->vertex[3 * (size_t)sample]);
+        double point[3];
         if (!is_held(sim, b)) continue;
-        for (int k = 3 * sample; k < 3 * sample + 3; k++)
-            vec3_add(point, s->weight[k], sim->x + 3 * (size_t)s->vertex[k]);
+        samples_at(sim->samples, sample, sim->x, point);
         add_point(&around, sim->scene.solids + b, x, point, 0.0);
     }
     for (int m = lists->boundary_start[i]; m < lists->end[i]; m++) {
