@@ -68,6 +68,27 @@ for name, least in [("hide=water", 3000), ("hide=sheet", 6000), ("hide=tank", 80
                     ("fluid=speed", 2000), ("fluid=pressure", 2000), ("cut=x-0.5", 2000), ("camera=90,20,1,0,0.4,0", 9000),
                     ("camera=90,20,1", 9000)]:
     expect(f"{name} against all", len(changed(every, pictures[name])), least)
+
+
+def legend(name, k, left, right):
+    """Legend k of a picture of 480 x 300 pixels: dark text above and below a strip whose ends have these colours."""
+    picture, top = pictures[name], 12 + 60 * k
+    row = lambda y, low, high: [picture[480 * y + x] for x in range(low, high)]
+    for what, first in (("title", top + 6), ("values", top + 36)):
+        dark = sum(max(p) < 110 for y in range(first, first + 14) for p in row(y, 320, 472))
+        expect(f"{name}: {what} of the legend", dark, 25)
+    strip = row(top + 28, 300, 472)
+    for what, ends, colour in (("left", strip[:90], left), ("right", strip[-20:], right)):
+        close = sum(max(abs(u - v) for u, v in zip(p, colour)) < 12 for p in ends)
+        expect(f"{name}: {what} end of the legend", close, 2)
+
+
+legend("fluid=speed", 0, (60, 81, 141), (222, 245, 229))
+legend("fluid=speed&surface=stretch", 0, (60, 81, 141), (222, 245, 229))
+legend("fluid=speed&surface=stretch", 1, (0, 18, 97), (89, 0, 7))
+corner = {480 * y + x for y in range(12, 66) for x in range(327, 470)}
+for name in ("surface=checker", "look=particles", "hide=water&fluid=speed"):
+    expect(f"{name}: no legend", len(corner & changed(pictures["hide=water"], pictures[name])), 0, 20)
 balls = changed(pictures["look=particles"], pictures["hide=water"])
 expect("particles", len(balls), 2000)
 expect("holes: particles without a surface", len(balls - water), 0, len(balls) // 100)

@@ -66,6 +66,11 @@ done
 expect_error 2 "--size 99x100: expected WIDTHxHEIGHT" render "$run" -o "$folder/a.png" --size 99x100
 expect_error 2 "--frame 11: expected at most 10" render "$run" -o "$folder/a.png" --frame 11
 expect_error 2 "--frames: expected at most 10, the last frame of the run, found 11" render "$run" -o "$folder/a.gif" --frames 3:11
+expect_error 2 "--turntable 0: expected a number from 0.04" render "$run" -o "$folder/a.gif" --turntable 0
+expect_error 2 "--turntable: expected a film or numbered pictures" render "$run" -o "$folder/a.png" --turntable 1
+expect_error 2 "--turntable: expected a film or numbered pictures" render "$run" -o "$folder/a.gif" --turntable 1 --frames 1:2
+expect_error 2 "--camera 1:11: expected JSON" render "$run" -o "$folder/a.png" --camera '[{"time": 0'
+expect_error 2 "nowhere.json: cannot open" render "$run" -o "$folder/a.png" --camera "$folder/nowhere.json"
 PATH=$folder "$projdyn" render "$run" -o "$folder/a.png" 2>"$folder/out" && fail "a picture without a browser"
 grep -q "apt-get install chromium" "$folder/out" || fail "no word about the missing browser: $(cat "$folder/out")"
 [ ! -e "$folder/a.png" ] || fail "a picture without a browser"
@@ -85,9 +90,12 @@ for fault in 'hid=water: unknown name "hid"; known: frame,' 'hide=watr: hide: un
     expect_error 2 "--view $fault" render "$run" -o "$folder/fault.png" --size 64x48 --view "${fault%%: *}"
     [ ! -e "$folder/fault.png" ] || fail "a picture of an unknown view"
 done
+echo '[{"time": 0, "yaw": 1}, {"time": 1, "pitch": 95}]' >"$folder/steep.json"
+expect_error 2 "steep.json: [1].pitch: expected a number from -89 to 89 degrees, found 95" \
+    render "$run" -o "$folder/fault.png" --size 64x48 --camera "$folder/steep.json"
 python=${PYTHON:-python3}
 "$python" "$here/draw_views.py" "$folder/replay.html" "$folder" hide=water hide=sheet hide=tank hide=ball look=particles \
-    surface=checker surface=stretch fluid=speed fluid=pressure cut=x-0.5 camera=90,20,1,0,0.4,0 camera=90,20,1
+    surface=checker surface=stretch fluid=speed fluid=pressure "fluid=speed&surface=stretch" "hide=water&fluid=speed" cut=x-0.5 camera=90,20,1,0,0.4,0 camera=90,20,1
 picture hide=rod hide=rod
 
 # A run that has no report yet looks as it does with one. Without files.json, too, the bodies are still shown.
@@ -141,6 +149,34 @@ done
 "$python" "$here/compare_pictures.py" "$folder/cans"
 "$projdyn" replay "$folder/can" -o "$folder/can.html" >/dev/null
 "$python" "$here/first_view.py" "$folder/can.html" 0.82 -0.5
+
+# The camera over time; a turntable begins with the view and goes on to its far side.
+"$python" "$here/camera_path.py" "$folder/replay.html"
+small() { # NAME OPTIONS...
+    name=$1
+    shift
+    "$projdyn" render "$run" -o "$folder/$name" --size 96x64 "$@" >/dev/null
+}
+echo '[{"time": 0.01, "yaw": 210, "pitch": 20, "scale": 1, "target": [0, 0.3, 0]}]' >"$folder/camera.json"
+small keys.png --camera "$folder/camera.json"
+small inline.png --camera '[{"time": 1, "yaw": 210}]' --view camera=30,20,1,0,0.3,0
+small turned_%d.png --turntable 0.5 --fps 4 --view camera=30,20,1,0,0.3,0
+small near.png --view camera=30,20,1,0,0.3,0
+small far.png --view camera=210,20,1,0,0.3,0
+cmp "$folder/keys.png" "$folder/far.png" || fail "--camera FILE is not the view of its key"
+cmp "$folder/inline.png" "$folder/far.png" || fail "--camera ARRAY is not the view with its yaw"
+cmp "$folder/turned_0.png" "$folder/near.png" || fail "a turntable does not begin with the view"
+cmp "$folder/turned_1.png" "$folder/far.png" || fail "half of a turntable is not half a turn"
+[ ! -e "$folder/turned_2.png" ] || fail "a turntable of 0.5 s has more than two pictures at --fps 4"
+
+# A run at rest has no speeds.
+cat >"$folder/still.json" <<'EOF'
+{"duration": 0.1, "gravity": [0, 0, 0], "bodies": [
+  {"name": "sheet", "surface": {"grid": {"size": [1, 1], "vertices": [9, 9]}, "area_density": 0.3}}]}
+EOF
+"$projdyn" run "$folder/still.json" -o "$folder/still" --quiet 2>/dev/null
+expect_error 2 'surface: unknown value "speed"; known: plain, checker, stretch' \
+    render "$folder/still" -o "$folder/fault.png" --size 64x48 --view surface=speed
 
 # Numbered pictures and films.
 "$projdyn" render "$run" -o "$folder/n_%03d.png" --size 64x48 >/dev/null

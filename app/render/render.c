@@ -1,5 +1,7 @@
 /* projdyn render: pictures and films of a run, drawn by the replay page in a headless Chromium. */
+#include "app.h"
 #include "browser.h"
+#include "camera_keys.h"
 #include "film.h"
 #include "replay_page.h"
 #include "run_directory.h"
@@ -18,7 +20,7 @@ static const char usage[] =
     "\n"
     "Draws the frames of a run as the replay page does: one frame to FILE.png, or all frames to\n"
     "FILE.mp4, FILE.webm, FILE.gif, or numbered pictures: FILE_%04d.png. Needs Chromium, and\n"
-    "ffmpeg for films.\n"
+    "ffmpeg for films. Pictures that a quantity colours (--view fluid=speed) have a legend.\n"
     "\n"
     "  -o, --output FILE  picture, pictures or film\n"
     "      --size WxH     size in pixels, both even (default 1280x720)\n"
@@ -27,6 +29,12 @@ static const char usage[] =
     "      --frames A:B   of a film: only the frames A to B, counted from 0\n"
     "      --fps N        pictures a second of a film (default: as fast as simulated)\n"
     "      --view TEXT    view: what the page's button \"Link\" puts behind '#'\n"
+    "      --camera KEYS  camera over time: a JSON file or an array. Keys have a time (s), yaw,\n"
+    "                     pitch (degrees), scale (factor on the distance), target (m):\n"
+    "                     '[{\"time\": 0, \"yaw\": 0}, {\"time\": 2, \"yaw\": 90, \"scale\": "
+    "0.7}]'\n"
+    "      --turntable S  a film of S seconds in which the camera goes once around the frame\n"
+    "                     of --frame or --time, at 25 pictures a second or --fps\n"
     "  -h, --help         prints this text\n";
 
 enum { SAMPLES = 2 /* a side of a pixel of the picture is drawn as so many */ };
@@ -36,9 +44,21 @@ struct options {
     long width, height, frame; /* frame -1: the last one */
     long first, last;          /* frames of a film; last -1: the last one */
     double time, fps;          /* NAN: not given */
+    double turntable;          /* s; 0: none */
+    const char *camera;        /* argument of --camera; NULL: none */
+    char *keys;                /* its keys, see camera_keys.h */
 };
 
-enum { OPTION_SIZE = 256, OPTION_FRAME, OPTION_TIME, OPTION_FPS, OPTION_VIEW, OPTION_FRAMES };
+enum {
+    OPTION_SIZE = 256,
+    OPTION_FRAME,
+    OPTION_TIME,
+    OPTION_FPS,
+    OPTION_VIEW,
+    OPTION_FRAMES,
+    OPTION_CAMERA,
+    OPTION_TURNTABLE,
+};
 
 /* ---- options --------------------------------------------------------------------------------- */
 
@@ -65,12 +85,15 @@ static bool accept_option(void *self, int option) {
     struct options *options = self;
     if (option == 'o') options->output = optarg;
     if (option == OPTION_VIEW) options->view = optarg;
+    if (option == OPTION_CAMERA) options->camera = optarg;
     if (option == OPTION_SIZE) return parse_size(optarg, options);
     if (option == OPTION_FRAMES) return parse_frames(optarg, &options->first, &options->last);
     if (option == OPTION_FRAME)
         return parse_integer("--frame", optarg, 0, 1 << 30, &options->frame);
     if (option == OPTION_TIME) return parse_number("--time", optarg, 0.0, &options->time);
     if (option == OPTION_FPS) return parse_number("--fps", optarg, 0.01, &options->fps);
+    if (option == OPTION_TURNTABLE)
+        return parse_number("--turntable", optarg, 0.04, &options->turntable);
     return option != '?';
 }
 
@@ -82,7 +105,7 @@ static double simulated_rate(const struct run *run) {
     return span > 0.0 ? (run->frames - 1) / span : 25.0;
 }
 
-/* Sets the frame of a picture; EXIT_BAD_INPUT if the run does not have it. */
+/* Sets the frame of a picture and the rate of a film; EXIT_BAD_INPUT if the run lacks a frame. */
 static int choose_frame(const struct run *run, struct options *options) {
     if (options->frame >= run->frames)
         return run_error("render: --frame %ld: expected at most %d, the last frame of the run",
@@ -93,6 +116,7 @@ static int choose_frame(const struct run *run, struct options *options) {
             run->frames - 1, options->last);
     if (options->last < 0) options->last = run->frames - 1;
     if (options->frame < 0) options->frame = run->frames - 1;
+    if (isnan(options->fps)) options->fps = options->turntable > 0.0 ? 25.0 : simulated_rate(run);
     double nearest = INFINITY;
     for (int f = 0; f < run->frames && !isnan(options->time); f++) {
         double away = fabs(part_time(&run->part[0], f) - options->time);
@@ -106,17 +130,42 @@ static int choose_frame(const struct run *run, struct options *options) {
     return EXIT_GOOD;
 }
 
-static int draw_frame(const struct run *run, struct browser *browser, struct film *film,
-                      const struct options *options, long frame) {
+/* The pictures of a command. */
+struct plan {
+    bool turns;        /* a turntable: all pictures are of the frame `first` */
+    long first, count; /* otherwise of the `count` frames from `first` on */
+};
+
+/* Whether the output is a single picture. */
+static bool is_still(const char *output) {
+    enum film_format format;
+    return film_find_format(output, &format) && format == FILM_PNG && !film_is_numbered(output);
+}
+
+static struct plan make_plan(const struct options *options) {
+    bool still = is_still(options->output);
+    struct plan plan = {.turns = options->turntable > 0.0};
+    plan.first = still || plan.turns ? options->frame : options->first;
+    plan.count = still        ? 1
+                 : plan.turns ? lround(fmax(1.0, options->turntable * options->fps))
+                              : options->last - options->first + 1;
+    return plan;
+}
+
+/* Draws picture k. */
+static int draw_picture(const struct run *run, struct browser *browser, struct film *film,
+                        const struct options *options, const struct plan *plan, long k) {
     char expression[128];
     json_t *picture;
-    int code = water_surface_send(browser, run, (int)frame);
+    long frame = plan->turns ? plan->first : plan->first + k;
+    double turn = plan->turns ? 360.0 * (double)k / (double)plan->count : 0.0;
+    int code = plan->turns && k ? EXIT_GOOD : water_surface_send(browser, run, (int)frame);
     if (code != EXIT_GOOD) return code;
-    snprintf(expression, sizeof expression, "pictureOfFrame(%ld, %ld, %ld, %d)", frame,
-             options->width, options->height, SAMPLES);
+    snprintf(expression, sizeof expression, "pictureOfFrame(%ld, %ld, %ld, %d, %.9g)", frame,
+             options->width, options->height, SAMPLES, turn);
     code = browser_evaluate(browser, expression, &picture);
     if (code != EXIT_GOOD) return code;
-    code = film_add(film, frame, json_string_value(picture));
+    code = film_add(film, plan->turns ? k : frame, json_string_value(picture));
     json_decref(picture);
     return code;
 }
@@ -155,24 +204,23 @@ static void catch_signals(void) {
     signal(SIGPIPE, SIG_IGN); /* a program that ends early shows as an error of write() */
 }
 
-/* Draws the frames of the page in `folder`. */
-static int draw_frames(const struct run *run, const struct options *options, const char *folder) {
+/* Draws the pictures of the page in `folder`. */
+static int draw_pictures(const struct run *run, const struct options *options, const char *folder) {
     struct browser browser = {.to = -1, .from = -1};
     struct film film;
+    struct plan plan = make_plan(options);
     char *url;
-    bool still = film_find_format(options->output, &film.format) && film.format == FILM_PNG &&
-                 !film_is_numbered(options->output);
     if (asprintf(&url, "file://%s/page.html?pictures#%s", folder, options->view) < 0)
         return report_no_memory();
-    int code =
-        film_open(&film, options->output, isnan(options->fps) ? simulated_rate(run) : options->fps);
+    int code = film_open(&film, options->output, options->fps);
     if (code == EXIT_GOOD) code = browser_open(&browser, folder, url);
     if (code == EXIT_GOOD) code = check_view(&browser, options->view);
-    long first = still ? options->frame : options->first, last = still ? first : options->last;
+    if (code == EXIT_GOOD && options->keys)
+        code = camera_keys_send(&browser, options->camera, options->keys);
     double start = wall_seconds();
-    for (long f = first; f <= last && code == EXIT_GOOD; f++) {
-        code = stopped ? EXIT_INTERRUPTED : draw_frame(run, &browser, &film, options, f);
-        show_progress(f - first + 1, last - first + 1, start);
+    for (long k = 0; k < plan.count && code == EXIT_GOOD; k++) {
+        code = stopped ? EXIT_INTERRUPTED : draw_picture(run, &browser, &film, options, &plan, k);
+        show_progress(k + 1, plan.count, start);
     }
     clear_progress();
     browser_close(&browser);
@@ -189,22 +237,25 @@ static int render(struct run *run, struct options *options) {
     if (code != EXIT_GOOD) return code;
     snprintf(page, sizeof page, "%.4000s/page.html", folder);
     code = replay_write_page(run, page);
-    if (code == EXIT_GOOD) code = draw_frames(run, options, folder);
+    if (code == EXIT_GOOD) code = draw_pictures(run, options, folder);
     temporary_folder_remove(folder);
     if (code == EXIT_GOOD) printf("written to %s\n", options->output);
     return code;
 }
 
 int render_main(int argc, char **argv) {
-    static const struct option long_options[] = {{"output", required_argument, NULL, 'o'},
-                                                 {"size", required_argument, NULL, OPTION_SIZE},
-                                                 {"frame", required_argument, NULL, OPTION_FRAME},
-                                                 {"time", required_argument, NULL, OPTION_TIME},
-                                                 {"fps", required_argument, NULL, OPTION_FPS},
-                                                 {"frames", required_argument, NULL, OPTION_FRAMES},
-                                                 {"view", required_argument, NULL, OPTION_VIEW},
-                                                 {"help", no_argument, NULL, 'h'},
-                                                 {0}};
+    static const struct option long_options[] = {
+        {"output", required_argument, NULL, 'o'},
+        {"size", required_argument, NULL, OPTION_SIZE},
+        {"frame", required_argument, NULL, OPTION_FRAME},
+        {"time", required_argument, NULL, OPTION_TIME},
+        {"fps", required_argument, NULL, OPTION_FPS},
+        {"frames", required_argument, NULL, OPTION_FRAMES},
+        {"view", required_argument, NULL, OPTION_VIEW},
+        {"camera", required_argument, NULL, OPTION_CAMERA},
+        {"turntable", required_argument, NULL, OPTION_TURNTABLE},
+        {"help", no_argument, NULL, 'h'},
+        {0}};
     struct options options = {
         .view = "", .width = 1280, .height = 720, .frame = -1, .last = -1, .time = NAN, .fps = NAN};
     enum film_format format;
@@ -218,9 +269,14 @@ int render_main(int argc, char **argv) {
     if (format == FILM_PNG && !film_check_number(options.output))
         return run_error("render: %s: expected at most one '%%', as in NAME_%%04d.png",
                          options.output);
+    if (options.turntable > 0.0 && (options.last >= 0 || is_still(options.output)))
+        return run_error("render: --turntable: expected a film or numbered pictures, of one frame");
+    if (options.camera) code = camera_keys_read(options.camera, &options.keys);
+    if (options.camera && code != EXIT_GOOD) return code;
     catch_signals();
     struct run run = {.directory = argv[optind]};
     code = render(&run, &options);
+    free(options.keys);
     if (stopped) code = EXIT_INTERRUPTED;
     run_close(&run);
     return code;

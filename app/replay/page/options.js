@@ -1,4 +1,4 @@
-/* The panel of options, the legends, and the settings that they show. */
+/* The panel of options, and the settings that it shows. */
 const settings = { look: "surface", fluid: "plain", surface: "plain", cut: "", background: "studio" };
 const ranges = {}; /* of the channels: {top, most} */
 const inputs = {}; /* controls by their setting, and checkboxes of the parts by name */
@@ -66,7 +66,9 @@ function addCut(parent) {
   for (const [input, event] of [[select, "change"], [place, "input"]]) input.addEventListener(event, apply);
 }
 
-const titled = (names) => names.map((name) => [name, channels[name]?.label || name]);
+/* Choices of a colour; quantities that are 0 in the whole run are left out. */
+const titled = (names) => names.filter((name) => !(name in channels) || ranges[name])
+  .map((name) => [name, channels[name]?.label || name]);
 
 function buildOptions() {
   const parts = element($("options"), "div"), looks = element($("options"), "div");
@@ -77,31 +79,11 @@ function buildOptions() {
   const particles = meta.bodies.filter((b) => !b.triangles), fluid = particles.some((b) => b.fluid);
   if (fluid) addSelect(looks, "Water as", "look", [["surface", "surface"], ["particles", "particles"]]);
   if (particles.length)
-    addSelect(looks, fluid ? "Water" : "Colour", "fluid",
-      titled(["plain", "speed", "error", "pressure"].filter((name) => name === "plain" || ranges[name])));
+    addSelect(looks, fluid ? "Water" : "Colour", "fluid", titled(["plain", "speed", "error", "pressure"]));
   if (meta.bodies.some((b) => b.triangles))
     addSelect(looks, particles.length ? "Surfaces" : "Colour", "surface", titled(["plain", "checker", "speed", "stretch"]));
   addSelect(looks, "Background", "background", [["studio", "studio"], ["white", "white"]]);
   addCut(looks);
   $("options").hidden = false;
   $("options").open = $("view").clientWidth > 560;
-}
-
-/* The channels that colour something on the page, each with its map. */
-function showLegends() {
-  const shown = (surfaces) => meta.bodies.some((b) => b.shown && !b.triangles !== surfaces);
-  const names = new Set([shown(false) && settings.fluid, shown(true) && settings.surface].filter((name) => name in channels));
-  $("legends").replaceChildren();
-  for (const name of names) addLegend(name);
-}
-
-function addLegend(name) {
-  const { label, unit, factor, map } = channels[name], { top, most } = ranges[name], diverges = map === "vik";
-  const figure = element($("legends"), "figure");
-  element(figure, "span", { textContent: `${label[0].toUpperCase()}${label.slice(1)} (${unit})` });
-  const strip = element(figure, "canvas", { width: 256, height: 1 }), ends = element(figure, "div");
-  strip.getContext("2d").putImageData(new ImageData(mapTexels(maps[map]), 256, 1), 0, 0);
-  const over = most > 1.001 * top;
-  element(ends, "span", { textContent: diverges ? (over ? "≤ " : "") + formatNumber(-factor * top) : "0" });
-  element(ends, "span", { textContent: (over ? "≥ " : "") + formatNumber(factor * top) });
 }

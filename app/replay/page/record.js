@@ -6,10 +6,20 @@ function download(blob, ending) {
   setTimeout(() => URL.revokeObjectURL(url), 10000);
 }
 
+/* What the renderer has just drawn, with the legends, as a picture of some pixels. */
+function composePicture(width, height) {
+  const out = Object.assign(document.createElement("canvas"), { width, height }), context = out.getContext("2d");
+  context.imageSmoothingQuality = "high";
+  context.drawImage(renderer.gl.canvas, 0, 0, width, height);
+  drawLegends(context);
+  return out;
+}
+
 function savePicture() {
-  fitCanvas(renderer.gl.canvas, 1);
+  const { canvas } = renderer.gl;
+  fitCanvas(canvas, 1);
   renderer.draw(player.frame);
-  renderer.gl.canvas.toBlob((blob) => download(blob, `${String(player.frame).padStart(6, "0")}.png`));
+  composePicture(canvas.width, canvas.height).toBlob((blob) => download(blob, `${String(player.frame).padStart(6, "0")}.png`));
 }
 
 /* Records as WebM what the player shows for a film. */
@@ -29,16 +39,17 @@ function recordFilm(button) {
   recorder.start();
 }
 
-/* A frame as a PNG in base64, for `projdyn render`. samples: pixels drawn for one of the picture, along a side */
-function pictureOfFrame(frame, width, height, samples) {
-  const canvas = renderer.gl.canvas, out = Object.assign(document.createElement("canvas"), { width, height });
+/* A frame as a PNG in base64, for `projdyn render`. samples: pixels drawn for one of the picture, along a side; turn: degrees
+ * by which the camera stands further around its target */
+function pictureOfFrame(frame, width, height, samples, turn = 0) {
+  const { camera, gl: { canvas } } = renderer, { yaw, pitch, scale, target } = camera;
   player.play(false);
   player.show(frame);
   canvas.width = samples * width;
   canvas.height = samples * height;
+  moveCamera(camera, player.time);
+  camera.yaw += turn * Math.PI / 180;
   renderer.draw(player.frame);
-  const context = out.getContext("2d");
-  context.imageSmoothingQuality = "high";
-  context.drawImage(canvas, 0, 0, width, height);
-  return out.toDataURL("image/png").split(",")[1];
+  Object.assign(camera, { yaw, pitch, scale, target });
+  return composePicture(width, height).toDataURL("image/png").split(",")[1];
 }
