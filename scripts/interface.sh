@@ -1,5 +1,5 @@
 #!/bin/sh
-# Measures the interface between water and surfaces (bench/interface.c) in some 45 minutes: one
+# Measures the interface between water and surfaces (bench/interface.c) in some 60 minutes: one
 # markdown table for each command, in out/interface; fills the tables of docs/results/interface.md.
 # `quick`: small sizes in five minutes, written to out/interface instead of docs/. Further arguments
 # go to every command (--set PATH=VALUE, --threads N); with these, docs/ is not written either.
@@ -23,7 +23,8 @@ quick)
     thick="1.2 16 3 level:30:1 level:20:1 level:12.5:1" tank="1 24x80"
     floating="3 25 12 slab:250 slab:500 cube:900 ball:500 ball:900 cube:2000"
     free="1 12 0 between:20:0.05 between:20:0.2 between:20:1 between:20:12 cavity:20:0.2 cavity:20:1 cavity:20:12"
-    neutral="2 12 3 settled:20:3 between:20:3" stream="20 0 0.5 1 2" added_mass="0 strip:25 strip:12.5 disc:30 disc:15"
+    neutral="2 12 3 settled:20:3 between:20:3" stream="20 0 0.5 1 2" added_mass="0 strip:25 strip:12.5"
+    added_mass="$added_mass strip:8.33333 strip:6.25 disc:30 disc:15"
     bag="1 12.5 1.1 6 8" dropped="2 20 12 3 0.3 0 0.3 0.03" plate="2 50" ;;
 *) echo "usage: scripts/interface.sh [quick] [--set PATH=VALUE]... [--threads N]" >&2; exit 2 ;;
 esac
