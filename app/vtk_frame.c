@@ -220,18 +220,28 @@ static int read_scalars(struct reader *r, const char *name, int count, float **o
     return code == EXIT_GOOD ? read_floats(r, (size_t)count, name, out) : code;
 }
 
+/* Whether the next line is this one. */
+static bool is_next(const struct reader *r, const char *line) {
+    size_t length = strlen(line);
+    return r->size - r->at > length && !memcmp(r->bytes + r->at, line, length) &&
+           r->bytes[r->at + length] == '\n';
+}
+
+/* Of particles, or of a surface: without points, what follows tells which. */
 static int read_point_data(struct reader *r, struct vtk_frame *frame) {
     char line[LINE];
     snprintf(line, sizeof line, "POINT_DATA %d", frame->count);
     int code = expect_line(r, line);
-    if (!frame->triangles) {
+    bool particles = !frame->triangles;
+    if (!frame->count) particles = is_next(r, "SCALARS density float 1");
+    if (particles) {
         if (code == EXIT_GOOD) code = read_scalars(r, "density", frame->count, &frame->density);
         if (code == EXIT_GOOD) code = read_scalars(r, "pressure", frame->count, &frame->pressure);
     }
     if (code == EXIT_GOOD) code = expect_line(r, "VECTORS velocity float");
     if (code == EXIT_GOOD)
         code = read_floats(r, 3 * (size_t)frame->count, "velocity", &frame->velocity);
-    if (code != EXIT_GOOD || !frame->triangles || r->at == r->size) return code;
+    if (code != EXIT_GOOD || particles || r->at == r->size) return code;
     code = expect_line(r, "VECTORS normal float");
     return code == EXIT_GOOD ? read_floats(r, 3 * (size_t)frame->count, "normal", &frame->normal)
                              : code;

@@ -135,6 +135,16 @@ class Usd(unittest.TestCase):
         self.program("mesh", "run", "--threads", "1", "--frames", "0:1")
         self.check_refused("expected the 3 frames", "found 2")
 
+    def test_surface_without_particles(self):
+        disc = {"disc": {"center": [0, 0.2, 0], "radius": 0.06}, "direction": [0, -1, 0], "speed": 1, "start": 0.05}
+        water = {"name": "water", "particles": {"radius": 0.02, "inlets": [disc]}, "constraints": [{"type": "fluid"}]}
+        (self.directory / "jet.json").write_text(json.dumps({"duration": 0.1, "frame_interval": 0.05, "bodies": [water]}))
+        self.program("run", "jet.json", "-o", "jet", "--threads", "1", "--quiet")
+        self.program("mesh", "jet", "--threads", "1")
+        self.program("usd", "jet")
+        points = read_stage((self.directory / "jet/run.usda").read_text())[1]["water"]["points"]
+        self.assertEqual([len(points[time]) > 0 for time in sorted(points)], [False, True, True])
+
     def test_surface_of_other_times(self):
         series = self.directory / "run/mesh/2-water.vtk.series"
         whole = series.read_text()
