@@ -61,6 +61,12 @@ static inline const pdyn_path *param_path(const pdyn_param *param, const void *p
                                     : NULL;
 }
 
+/* The same of the name of another body. */
+static inline const pdyn_other *param_other(const pdyn_param *param, const void *params) {
+    return param->kind == PDYN_OTHER ? (const pdyn_other *)((const char *)params + param->offset)
+                                     : NULL;
+}
+
 /* The rows of a table on a body of so many vertices, triangles and tetrahedra; 0: any number. */
 static inline int param_rows(const pdyn_param *param, int vertices, int triangles, int tets) {
     unsigned per = param->kind & 0xFF00u;

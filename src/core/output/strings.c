@@ -1,5 +1,6 @@
 /* Springs between two bodies, as those of `attachment`, for pictures: each from a vertex to a point
  * of a triangle of another body. */
+#include "base/registry.h"
 #include "output.h"
 
 #include <math.h>
@@ -9,8 +10,7 @@ enum { ENTRIES = 4 }; /* of the row of a spring: the vertex, the three corners o
 /* The other body that a constraint names; NULL: none. */
 static const pdyn_body *other_of(const struct batch *b) {
     for (const pdyn_param *p = b->type->params; p->name; p++)
-        if (p->kind == PDYN_OTHER)
-            return ((const pdyn_other *)((const char *)b->params + p->offset))->body;
+        if (param_other(p, b->params)) return param_other(p, b->params)->body;
     return NULL;
 }
 

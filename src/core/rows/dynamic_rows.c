@@ -2,6 +2,8 @@
  * the batch grow with the elements and never shrink, so that a warmed-up step allocates nothing. */
 #include "row_arrays.h"
 
+#include "base/registry.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -10,8 +12,8 @@ static pdyn_status make_index(struct batch *b) {
     int low, high;
     rows_selectable(b, &low, &high);
     for (const pdyn_param *p = b->type->params; p->name; p++) {
-        if (p->kind != PDYN_OTHER) continue;
-        const pdyn_body *body = ((const pdyn_other *)((const char *)b->params + p->offset))->body;
+        const pdyn_other *other = param_other(p, b->params);
+        const pdyn_body *body = other ? other->body : NULL;
         if (body && body->first < low) low = body->first;
         if (body && body->first + body->count > high) high = body->first + body->count;
     }

@@ -1,5 +1,7 @@
 #include "row_arrays.h"
 
+#include "base/registry.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -19,8 +21,8 @@ pdyn_status rows_fault(const struct batch *b, const char *format, ...) {
 /* Whether a parameter names the body of this particle. */
 static bool is_of_other(const struct batch *b, int particle) {
     for (const pdyn_param *p = b->type->params; p->name; p++) {
-        if (p->kind != PDYN_OTHER) continue;
-        const pdyn_body *body = ((const pdyn_other *)((const char *)b->params + p->offset))->body;
+        const pdyn_other *other = param_other(p, b->params);
+        const pdyn_body *body = other ? other->body : NULL;
         if (body && particle >= body->first && particle < body->first + body->count) return true;
     }
     return false;

@@ -1,5 +1,6 @@
 /* Bodies of a simulation, from those of its scene: their particles, one body after the other, with
  * masses and the state at the start. */
+#include "base/registry.h"
 #include "build.h"
 #include "sim.h"
 
@@ -173,8 +174,8 @@ static void find_others(struct pdyn_sim *sim) {
         for (int k = 0; k < sim->scene.body[b].constraints; k++) {
             const struct scene_constraint *c = &sim->scene.body[b].constraint[k];
             for (const pdyn_param *p = c->type->params; p->name; p++) {
-                pdyn_other *other = (pdyn_other *)((char *)c->params + p->offset);
-                if (p->kind == PDYN_OTHER && other->name) other->body = find_body(sim, other->name);
+                pdyn_other *other = (pdyn_other *)param_other(p, c->params);
+                if (other && other->name) other->body = find_body(sim, other->name);
             }
         }
 }
