@@ -1,5 +1,6 @@
 /* Loads on solids: balance of momentum and angular momentum in each step, weight, buoyancy,
  * friction, wrong calls. */
+#include "base/registry.h"
 #include "scene_support.h"
 
 #include "projdyn/probe.h"
@@ -456,6 +457,39 @@ static void test_untouched(void **state) {
     assert_true(hash[0] == hash[1]);
 }
 
+static void assert_load(const pdyn_sim *sim, pdyn_load_source source, const struct total *due) {
+    struct total load, missed;
+    assert_int_equal(pdyn_body_load_by(sim, 0, source, load.force, load.moment), PDYN_OK);
+    vec3_subtract(missed.force, load.force, due->force);
+    assert_true(vec3_length(missed.force) <= 1e-9 * vec3_length(due->force));
+}
+
+/* A type of a plug-in says by a flag that its forces are loads by fluids. */
+static void test_flag(void **state) {
+    (void)state;
+    static pdyn_constraint_type jet, rope;
+    static const pdyn_constraint_type *const types[] = {&jet, &rope, NULL};
+    static const pdyn_plugin plugin = {PDYN_ABI, "sources", types, NULL};
+    jet = rope = *registry_constraint(context, "pin");
+    jet.name = "jet", jet.flags |= PDYN_FLUID, rope.name = "rope";
+    assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
+    pdyn_sim *sim = test_load(
+        context,
+        scene(SOLVED,
+              "{'surface': {'grid': {'size': [0.4, 0.4], 'vertices': [5, 5]}, 'area_density': "
+              "0.3}, 'constraints': [{'type': 'spring', 'stretching_stiffness': 500}, {'type': "
+              "'jet', 'vertices': {'vertices': [0]}}, {'type': 'rope', 'vertices': {'vertices': "
+              "[24]}}]}",
+              ""));
+    struct total by_jet, none = {{0}, {0}};
+    for (int n = 0; n < 3; n++) test_step(context, sim);
+    assert_int_equal(pdyn_constraint_load(sim, 1, by_jet.force, by_jet.moment), PDYN_OK);
+    assert_true(vec3_length(by_jet.force) > 0.0);
+    assert_load(sim, PDYN_LOAD_FLUID, &by_jet);
+    assert_load(sim, PDYN_LOAD_CONTACT, &none);
+    pdyn_free(sim);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_balance),   cmocka_unit_test(test_tank),
@@ -463,6 +497,7 @@ int main(void) {
         cmocka_unit_test(test_buoyancy),  cmocka_unit_test(test_floor),
         cmocka_unit_test(test_threads),   cmocka_unit_test(test_calls),
         cmocka_unit_test(test_untouched), cmocka_unit_test(test_sources),
+        cmocka_unit_test(test_flag),
     };
     return cmocka_run_group_tests_name("solid_load", tests, scene_set_up, scene_tear_down);
 }

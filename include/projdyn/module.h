@@ -382,6 +382,9 @@ enum {                              /* pdyn_constraint_type.flags */
                                        take 6 projections of an element for each of its rows: for a
                                        type without tangent whose elements have at most 12 rows */
        PDYN_CONTACT = 4096,         /* its forces are among those of pdyn_contact_forces */
+       PDYN_FLUID = 8192,           /* its forces are loads by fluids (PDYN_LOAD_FLUID, probe.h) and
+                                       not by contact; so are those of every type that works on
+                                       neighbour lists */
 };
 
 typedef struct pdyn_constraint_type {

@@ -30,7 +30,7 @@ static void tangent(const void *par, const pdyn_batch *b, int first, int last, d
 const pdyn_constraint_type pdyn_constraint_slip = {
     .name = "slip",
     .summary = "friction between a fluid and surfaces in it",
-    .flags = PDYN_CONTACT | PDYN_LOSSY,
+    .flags = PDYN_CONTACT | PDYN_FLUID | PDYN_LOSSY,
     .params = (const pdyn_param[]){{0}},
     .data_size = sizeof(struct wet_side_anchor),
     .update = wet_side_update,

@@ -8,7 +8,6 @@
  * (docs/theory/time-integration.md). */
 #include "forces.h"
 
-#include "base/registry.h"
 #include "contact/bearings.h"
 #include "sim.h"
 
@@ -97,8 +96,7 @@ static bool is_any(const struct batch *batch, const struct batch *none) {
 /* Whether a batch is of PDYN_LOAD_FLUID. */
 static bool is_of_fluid(const struct batch *batch, const struct batch *none) {
     (void)none;
-    return needs_neighbour_lists(batch->type) || batch->type == &pdyn_constraint_slip ||
-           batch->type == &pdyn_constraint_seepage;
+    return needs_neighbour_lists(batch->type) || batch->type->flags & PDYN_FLUID;
 }
 
 /* Whether a batch is of PDYN_LOAD_CONTACT. */
