@@ -1,5 +1,6 @@
 /* Construction of contact from bodies and solids: points, faces and edges with their groups, and
  * the memory of all of it. */
+#include "base/body.h"
 #include "bearings.h"
 #include "contact.h"
 
@@ -14,7 +15,7 @@ static void count_parts(struct contact *c, const struct contact_def *def) {
     int low = INT32_MAX, high = 0;
     for (int b = 0; b < scene->bodies; b++) {
         const pdyn_body *body = &def->body[b];
-        if (body->triangles) c->vertices += body->count;
+        if (!body_is_particles(body)) c->vertices += body->count;
         c->rigids += scene->body[b].is_rigid;
         c->free += body->count, c->free_faces += body->triangles, c->free_edges += body->edges;
         if (body->first < low) low = body->first;
@@ -40,7 +41,7 @@ static void add_body(struct contact *c, const pdyn_body *body, int b, int points
     c->name[b] = body->name;
     c->thickness[b] = c->settings->thickness;
     c->permeable[b] = body->permeability > 0.0;
-    if (!body->triangles)
+    if (body_is_particles(body))
         c->thickness[b] = fmin(c->thickness[b], particle_thickness * body->radius);
     for (int i = 0; i < body->count; i++) {
         c->column[points + i] = body->first + i;
@@ -53,7 +54,7 @@ static void add_bodies(struct contact *c, const struct contact_def *def) {
     int points = 0, particles = c->vertices, faces = 0, edges = 0, rigids = 0;
     for (int b = 0; b < def->scene->bodies; b++) {
         const pdyn_body *body = &def->body[b];
-        int *first = body->triangles ? &points : &particles;
+        int *first = body_is_particles(body) ? &particles : &points;
         bool is_rigid = def->scene->body[b].is_rigid;
         add_body(c, body, b, *first);
         if (is_rigid)

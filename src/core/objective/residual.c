@@ -1,5 +1,6 @@
 #include "residual.h"
 
+#include "base/body.h"
 #include "projdyn/simd.h"
 
 #include <math.h>
@@ -69,7 +70,7 @@ static bool is_own(const struct batch *batch, const struct objective_body *body)
 /* A fluid is solved to its density, not to a part of its impact. */
 static double impact_on(struct objective *o, const struct objective_body *body,
                         const double *inertial) {
-    return o->contact && body->of->triangles ? body_norm(o, body, inertial) : 0.0;
+    return o->contact && !body_is_particles(body->of) ? body_norm(o, body, inertial) : 0.0;
 }
 
 void residual_open(struct objective *o, const double *inertial) {

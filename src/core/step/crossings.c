@@ -51,7 +51,7 @@ static double slack_of(const pdyn_body *body) {
 pdyn_status crossings_create(struct pdyn_sim *sim) {
     bool fluid = false, surfaces = false, solids = sim->scene.solids;
     for (int b = 0; b < sim->bodies; b++)
-        fluid |= sim->body[b].radius > 0.0, surfaces |= sim->body[b].triangles > 0;
+        *(body_is_particles(&sim->body[b]) ? &fluid : &surfaces) = true;
     bool bodies = solids && surfaces && !sim->scene.has_contact;
     if (!bodies && !(fluid && (solids || surfaces))) return PDYN_OK;
     struct crossings *c = sim->crossings = NEW_ARRAY(sim->context, 1, struct crossings);
@@ -133,9 +133,10 @@ static void step_body(struct pdyn_sim *sim, int b) {
     struct crossings *c = sim->crossings;
     const pdyn_body *body = &sim->body[b];
     struct search s = {.sim = sim, .body = body};
-    if (body->triangles ? !c->bodies : !c->fluid) return;
+    bool particles = body_is_particles(body);
+    if (particles ? !c->fluid : !c->bodies) return;
     if (has_neighbour_lists(sim, b)) s.lists = neighbours_view(sim->neighbours);
-    if (body->triangles) s.first_surface = c->swept.count - c->swept.solids;
+    if (!particles) s.first_surface = c->swept.count - c->swept.solids;
     pool_for(sim->context->pool, body->count, GRAIN, find_passed, &s);
     for (int i = body->first; i < body->first + body->count; i++) update_beyond(c, i);
 }
@@ -191,8 +192,8 @@ void crossings_warn(struct pdyn_sim *sim) {
         w->count = count;
         long most;
         const pdyn_body *body = passer_of(sim, s, &most);
-        const char *what = body->triangles ? (count == 1 ? "vertex" : "vertices")
-                                           : (count == 1 ? "particle" : "particles");
+        const char *what = body_is_particles(body) ? (count == 1 ? "particle" : "particles")
+                                                   : (count == 1 ? "vertex" : "vertices");
         warnings_say(sim->context, w, "%ld %s%s of \"%s\" passed through this %s", count, what,
                      most < count ? ", most" : "", body->name,
                      swept_is_solid(&c->swept, s) ? "solid" : "body");

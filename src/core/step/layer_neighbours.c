@@ -30,7 +30,8 @@ void layer_neighbours_sort(struct pdyn_sim *sim, const double origin[3], const d
     for (int k = 0; k < sim->objective.particles; k++) sim->live->near.bucket[k] = -1;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
-        for (int i = body->first; !body->triangles && i < body->first + body->count; i++)
+        if (!body_is_particles(body)) continue;
+        for (int i = body->first; i < body->first + body->count; i++)
             if (sim->live->live[i] &&
                 fabs(vec3_dot(sim->x + 3 * (size_t)i, normal) - plane) < reach)
                 put_into_bucket(sim, i);

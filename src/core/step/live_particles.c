@@ -69,7 +69,8 @@ bool outlets_contain(const struct scene *scene, const double x[3]) {
 static void remove_outflow(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies && sim->scene.outlets; b++) {
         const pdyn_body *body = &sim->body[b];
-        for (int i = body->first; !body->triangles && i < body->first + body->count; i++)
+        if (!body_is_particles(body)) continue;
+        for (int i = body->first; i < body->first + body->count; i++)
             if (sim->live->live[i] && !particle_is_pushed(sim, i) &&
                 outlets_contain(&sim->scene, sim->x + 3 * i))
                 remove_particle(sim, b, i);

@@ -50,7 +50,7 @@ static void compute_density_errors(const struct pdyn_sim *sim, pdyn_step_info *i
     double sum = 0.0, count = 0.0;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
-        if (body->rest_density == 0.0) continue;
+        if (!body_is_particles(body)) continue;
         for (int i = body->first; i < body->first + body->count; i++) {
             if (!particle_is_live(sim, i)) continue;
             double error = fmax(0.0, sim->density[i] / body->rest_density - 1.0);

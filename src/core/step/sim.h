@@ -4,6 +4,7 @@
 #define PDYN_SIM_H
 
 #include "accelerate.h"
+#include "base/body.h"
 #include "base/context.h"
 #include "base/warnings.h"
 #include "control.h"

@@ -59,7 +59,8 @@ static double largest_approach(const struct pdyn_sim *sim, const struct scene_so
     double largest = 0.0;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
-        for (int i = body->first; body->triangles && i < body->first + body->count; i++)
+        if (body_is_particles(body)) continue;
+        for (int i = body->first; i < body->first + body->count; i++)
             largest =
                 fmax(largest, approach(&m, h, sim->x + 3 * (size_t)i, sim->v + 3 * (size_t)i));
     }

@@ -159,7 +159,8 @@ static bool moved_too_far(const struct pdyn_sim *sim, double h) {
     if (settings->h_fixed > 0.0 || h <= settings->h_min) return false;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
-        for (int i = body->first; i < body->first + body->count && body->radius > 0.0; i++)
+        if (!body_is_particles(body)) continue;
+        for (int i = body->first; i < body->first + body->count; i++)
             if (vec3_distance(sim->x_next + 3 * i, sim->x + 3 * i) >
                 2.0 * settings->cfl * body->radius)
                 return true;

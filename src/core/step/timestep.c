@@ -15,7 +15,8 @@ static double max_acceleration(const struct pdyn_sim *sim) {
     double applied = 0.0;
     for (int b = 0; force && b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
-        for (int i = body->first; i < body->first + body->count && body->radius > 0.0; i++)
+        if (!body_is_particles(body)) continue;
+        for (int i = body->first; i < body->first + body->count; i++)
             applied = fmax(applied, vec3_length(force + 3 * i) / sim->objective.mass[i]);
     }
     return applied + vec3_length(sim->scene.settings.gravity);
@@ -34,7 +35,7 @@ static double max_radii(const struct pdyn_sim *sim, double h, double acceleratio
     double radii = 0.0;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
-        if (body->radius == 0.0) continue;
+        if (!body_is_particles(body)) continue;
         double speed = fmax(others, max_speed(sim, body) + h * acceleration);
         radii = fmax(radii, speed * h / body->radius);
     }
@@ -47,8 +48,9 @@ static double resting_pressure(const struct pdyn_sim *sim) {
     double low = INFINITY, high = -INFINITY, density = 0.0;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
+        if (!body_is_particles(body)) continue;
         density = fmax(density, body->rest_density);
-        for (int i = body->first; i < body->first + body->count && body->radius > 0.0; i++) {
+        for (int i = body->first; i < body->first + body->count; i++) {
             if (!particle_is_live(sim, i)) continue;
             double depth = vec3_dot(g, sim->x + 3 * i);
             low = fmin(low, depth), high = fmax(high, depth);
@@ -79,7 +81,7 @@ static double rearrangement_limit(const struct pdyn_sim *sim) {
     double limit = INFINITY;
     for (int b = 0; b < sim->bodies && solves_fluid_alone(sim); b++) {
         const pdyn_body *body = &sim->body[b];
-        if (body->radius == 0.0) continue;
+        if (!body_is_particles(body)) continue;
         double pressure = sim->last_h > 0.0 ? lasting_pressure(sim, body) : resting_pressure(sim);
         limit = fmin(limit, max_rearrangement * body->radius * sqrt(body->rest_density / pressure));
     }

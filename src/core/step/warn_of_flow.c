@@ -99,7 +99,7 @@ void warn_of_flow(struct pdyn_sim *sim) {
         const struct scene_body *body = &sim->scene.body[b];
         check_times_of_body(sim, body);
         for (int k = 0; k < body->inlets; k++) check_inlet(sim, &sim->body[b], k);
-        if (!sim->body[b].triangles) check_outlets(sim, &sim->body[b]);
+        if (body_is_particles(&sim->body[b])) check_outlets(sim, &sim->body[b]);
     }
     for (int s = 0; s < sim->scene.solids; s++) {
         const struct scene_motion *motion = &sim->scene.solid[s].motion;

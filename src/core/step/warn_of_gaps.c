@@ -114,7 +114,8 @@ void warn_of_gaps(struct pdyn_sim *sim, double density_error_max) {
     const pdyn_body *fluid = NULL;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
-        for (int i = body->first; body->rest_density > 0.0 && i < body->first + body->count; i++) {
+        if (!body_is_particles(body)) continue;
+        for (int i = body->first; i < body->first + body->count; i++) {
             double error = error_of(sim, body, i);
             if (error <= max_error) continue;
             struct around around = look_around(sim, i);

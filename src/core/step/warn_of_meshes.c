@@ -28,7 +28,7 @@ static void check_scale(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     struct box box = warn_box(sim, body);
     double extent = box_extent(&box), times = extent / extent_of_solids(sim);
-    if (!body->triangles) return;
+    if (body_is_particles(body)) return;
     if (extent < min_extent || extent > max_extent)
         WARN(sim, SCALE, body->name,
              "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh",
@@ -112,7 +112,7 @@ static void check_thickness(struct pdyn_sim *sim, int b) {
     double thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0;
     double edge = warn_mean_edge(body);
     bool rigid = sim->scene.body[b].is_rigid;
-    if (!body->triangles || thickness <= (rigid ? max_thickness : 1.0) * edge) return;
+    if (body_is_particles(body) || thickness <= (rigid ? max_thickness : 1.0) * edge) return;
     if (rigid)
         WARN(sim, THICKNESS, body->name,
              "the contact thickness of %.3g m is %.2g times its mean edge length: contact of so "

@@ -57,7 +57,7 @@ static bool is_constrained(const struct scene_body *body) {
 
 static void check_constraints(struct pdyn_sim *sim, int b) {
     if (is_constrained(&sim->scene.body[b]) || sim->scene.body[b].is_rigid) return;
-    if (sim->body[b].triangles)
+    if (!body_is_particles(&sim->body[b]))
         WARN(sim, UNCONSTRAINED, sim->body[b].name, "no constraint holds its vertices together");
     else
         WARN(
@@ -153,7 +153,7 @@ static pdyn_status check_inside(struct pdyn_sim *sim, const pdyn_body *body, con
 static pdyn_status check_places(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     pdyn_status status = PDYN_OK;
-    if (!body->triangles) return PDYN_OK;
+    if (body_is_particles(body)) return PDYN_OK;
     struct box box = warn_box(sim, body);
     for (int k = 0; k < sim->bodies && status == PDYN_OK; k++) {
         const struct scene_body *other = &sim->scene.body[k];
@@ -174,10 +174,10 @@ static void check_contact(struct pdyn_sim *sim) {
         WARN(sim, NO_EFFECT, "contact", "it has no effect: no body has a surface");
     const char *first = NULL;
     int surfaces = sim->scene.solids, free = 0;
-    for (int b = 0; b < sim->bodies; b++) surfaces += sim->body[b].triangles > 0;
+    for (int b = 0; b < sim->bodies; b++) surfaces += !body_is_particles(&sim->body[b]);
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
-        if (!body->triangles || warn_is_held(&sim->scene.body[b])) continue;
+        if (body_is_particles(body) || warn_is_held(&sim->scene.body[b])) continue;
         if (!free++) first = body->name;
     }
     if (sim->scene.has_contact || !free || surfaces < 2) return;
@@ -259,7 +259,7 @@ void warn_of_memory(struct pdyn_sim *sim) {
     double particles = 0.0, machine = memory_of_machine();
     double particle = sim->scene.settings.kernel->memory;
     for (int b = 0; b < sim->bodies; b++)
-        if (!sim->body[b].triangles) particles += sim->body[b].count;
+        if (body_is_particles(&sim->body[b])) particles += sim->body[b].count;
     if (particles * particle > machine)
         WARN(sim, MEMORY, "",
              "%.0f particles take about %.2g GB, and there are %.2g GB; expected a larger radius",

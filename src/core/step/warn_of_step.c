@@ -71,7 +71,7 @@ static double size_of(const pdyn_body *body) {
 static void warn_fast(struct pdyn_sim *sim, double h) {
     for (int b = 0; sim->objective.contact && b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
-        if (!body->triangles) continue;
+        if (body_is_particles(body)) continue;
         double v[3] = {0}, size = size_of(body);
         for (int i = body->first; i < body->first + body->count; i++)
             vec3_add(v, 1.0 / body->count, sim->v + 3 * (size_t)i);
@@ -189,7 +189,8 @@ static void warn_fallen(struct pdyn_sim *sim) {
         warnings_say(sim->context, w,
                      "%d of %d %s are far below everything else and fall for ever: nothing "
                      "holds them and no outlet removes them",
-                     count, sim->body[b].count, sim->body[b].triangles ? "vertices" : "particles");
+                     count, sim->body[b].count,
+                     body_is_particles(&sim->body[b]) ? "particles" : "vertices");
     }
 }
 

@@ -19,7 +19,7 @@ static const pdyn_body *find_fluid(const struct pdyn_sim *sim) {
     const pdyn_body *lightest = NULL;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
-        if (body->radius == 0.0) continue;
+        if (!body_is_particles(body)) continue;
         if (!lightest || body->rest_density < lightest->rest_density) lightest = body;
     }
     return lightest;
@@ -73,7 +73,7 @@ static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     double spacing = 2.0 * fluid->radius, layer = fluid->rest_density * spacing;
     double excess = excess_of(sim, b, fluid->rest_density);
     bool sheet = body->area_density > 0.0;
-    if (!sim->body[b].triangles || sim->body[b].permeability > 0.0) return;
+    if (body_is_particles(&sim->body[b]) || sim->body[b].permeability > 0.0) return;
     if (sheet && is_closed(&sim->body[b])) return;
     if (warn_is_held(body) && !(is_drawn(sim, b, spacing) && is_dry(sim, b, fluid))) return;
     if (sheet && body->area_density < light_share * layer)
@@ -97,7 +97,7 @@ static void check_edges(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     const pdyn_body *body = &sim->body[b];
     double ratio = warn_mean_edge(body) / (2.0 * fluid->radius);
     if (sim->scene.body[b].is_rigid) return; /* its steps cost the same, its faces are sampled */
-    if (!body->triangles || (ratio >= min_edge && ratio <= max_edge)) return;
+    if (body_is_particles(body) || (ratio >= min_edge && ratio <= max_edge)) return;
     WARN(sim, EDGE_LENGTH, body->name,
          "its mean edge length is %.3g particle spacings; expected %g to %g", ratio, min_edge,
          max_edge);
