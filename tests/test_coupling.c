@@ -265,7 +265,7 @@ static void test_hidden(void **state) {
     const char *const set[] = {"bodies.sheet.surface.grid.size=[0.1, 0.1]"};
     assert_int_equal(
         pdyn_load_text(context, quoted(LAYERS(ABOVE ", " BELOW)), "layers", set, 1, &sim), PDYN_OK);
-    const pdyn_neighbours *l = neighbours_view(sim->neighbours);
+    const pdyn_neighbours *l = neighbours_view(sim->objective.neighbours);
     int n = sim->body[0].count, across = 0, through = 0;
     for (int i = 0; i < n; i++)
         for (int s = l->start[i]; s < l->boundary_start[i]; s++) {

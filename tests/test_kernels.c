@@ -199,7 +199,7 @@ static const char *block =
 
 /* C_i over all pairs, with particle k at p + 3 k. */
 static double density_error(const pdyn_sim *sim, int i, const double *p) {
-    const pdyn_neighbours *l = neighbours_view(sim->neighbours);
+    const pdyn_neighbours *l = neighbours_view(sim->objective.neighbours);
     double sum = -1.0;
     for (int j = 0; j < l->points; j++) {
         const double *y = j < l->particles ? p + 3 * j : l->boundary_x + 3 * (j - l->particles);
@@ -210,7 +210,7 @@ static double density_error(const pdyn_sim *sim, int i, const double *p) {
 
 /* grad C_i with respect to all particles at p, over all pairs, by central differences of W. */
 static void density_gradient(const pdyn_sim *sim, int i, const double *p, double *g) {
-    const pdyn_neighbours *l = neighbours_view(sim->neighbours);
+    const pdyn_neighbours *l = neighbours_view(sim->objective.neighbours);
     memset(g, 0, 3 * (size_t)l->particles * sizeof *g);
     for (int j = 0; j < l->points; j++) {
         const double *y = j < l->particles ? p + 3 * j : l->boundary_x + 3 * (j - l->particles);
@@ -267,7 +267,8 @@ static void check_energy(const char *kernel) {
         for (int r = rows->view.element_row[i]; r < rows->view.element_row[i + 1]; r++)
             memcpy(p + 3 * rows->view.column[r], rows->view.p + 3 * r, 3 * sizeof *p);
         density_gradient(sim, i, x, g);
-        double k = energy_stiffness(neighbours_view(sim->neighbours)->kernel, w, g, 3 * n, 0.1);
+        double k =
+            energy_stiffness(neighbours_view(sim->objective.neighbours)->kernel, w, g, 3 * n, 0.1);
         for (int a = 0; a < 3 * n && c > 0.0; a++) q[a] -= k / w * c * g[a];
         assert_true(test_distance(p, q, 3 * n) <= 1e-6 * fmax(0.0, c) * 0.1);
         compressed += c > 0.0, sum += c > 0.0 ? 0.5 * k * c * c : 0.0;
@@ -305,7 +306,7 @@ static void test_carried_density(void **state) {
             assert_true(fabs(sim->density[i] / 1000.0 - 1.0 - density_error(sim, i, sim->x)) <
                         1e-12);
     }
-    assert_true(neighbours_view(sim->neighbours)->revision > 1);
+    assert_true(neighbours_view(sim->objective.neighbours)->revision > 1);
     pdyn_free(sim);
     pdyn_destroy(context);
 }

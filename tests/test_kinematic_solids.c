@@ -274,10 +274,10 @@ static void test_no_allocation(void **state) {
     pdyn_sim *sim = stir(context);
     while (pdyn_time(sim) < 0.5) test_step(context, sim);
     long before = counter.calls;
-    unsigned lists = neighbours_view(sim->neighbours)->revision;
+    unsigned lists = neighbours_view(sim->objective.neighbours)->revision;
     for (int n = 0; n < 20; n++) test_step(context, sim);
     assert_int_equal(counter.calls, before);
-    assert_true(neighbours_view(sim->neighbours)->revision > lists);
+    assert_true(neighbours_view(sim->objective.neighbours)->revision > lists);
     pdyn_free(sim);
     assert_int_equal(pdyn_bytes_in_use(context), 0);
     pdyn_destroy(context);

@@ -14,7 +14,7 @@ static void test_places(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, drop);
-    const struct surface_samples *s = sim->samples;
+    const struct surface_samples *s = sim->objective.samples;
     const pdyn_body *sheet = &sim->body[1];
     int n = sim->objective.particles;
     double spacing = 0.43 * 0.02, *x = test_vector(3 * (n + s->count)), area = 0.0;
@@ -64,7 +64,7 @@ static void reach_every(struct surface_samples *s, int many) {
 /* S' is the transpose of S: (y, S' z) = (S y, z), also with samples in no list; lumped blocks are
  * at least S' D S. */
 static void check_gather(pdyn_sim *sim, int many) {
-    struct surface_samples *s = sim->samples;
+    struct surface_samples *s = sim->objective.samples;
     int n = 3 * sim->objective.particles, all = n + 3 * s->count;
     double *x = test_vector(n), *y = test_vector(n), *up = test_vector(all), *z = test_vector(all);
     double *D = test_vector(2 * all), *blocks = test_vector(2 * n), left = 0.0, right = 0.0,
@@ -142,9 +142,11 @@ static void test_stretch(void **state) {
     const pdyn_body *sheet = &sim->body[1];
     for (int i = sheet->first; i < sheet->first + sheet->count; i++)
         for (int a = 0; a < 3; a++) sim->x[3 * i + a] *= 1.1;
-    samples_update_volumes(sim->samples, sim->x);
-    for (int k = 0; k < sim->samples->count; k++)
-        assert_true(fabs(sim->samples->volume[k] / sim->samples->rest_volume[k] - 1.21) < 1e-12);
+    samples_update_volumes(sim->objective.samples, sim->x);
+    for (int k = 0; k < sim->objective.samples->count; k++)
+        assert_true(
+            fabs(sim->objective.samples->volume[k] / sim->objective.samples->rest_volume[k] -
+                 1.21) < 1e-12);
     pdyn_free(sim);
     pdyn_destroy(context);
 }
@@ -199,8 +201,8 @@ static void test_density(void **state) {
     batch_force(b, ones, g);
     for (int k = 0; k < n; k++) force += g[k] * u[k];
     assert_true(fabs(force - sum) < 1e-9 * fabs(sum));
-    samples_update_volumes(sim->samples, x);
-    neighbours_set_sample_volumes(sim->neighbours, sim->samples);
+    samples_update_volumes(sim->objective.samples, x);
+    neighbours_set_sample_volumes(sim->objective.neighbours, sim->objective.samples);
     find_values(sim, x, g, high);
     for (int i = 0; i < count; i++) assert_true(fabs(high[i] - within[i]) < 1e-12);
     free(within), free(x), free(u), free(g), free(rate), free(low), free(high), free(ones),

@@ -70,6 +70,11 @@ static inline void objective_count(struct objective *o, const struct batch *b, i
         (int64_t)passes * (b->op ? (int64_t)NEIGHBOURHOOD * b->one_sided.at.count : b->entries);
 }
 
+/* The neighbour lists, as constraints see them; NULL: no constraint needs them. */
+static inline const pdyn_neighbours *objective_lists(const struct objective *o) {
+    return o->neighbours ? neighbours_view(o->neighbours) : NULL;
+}
+
 /* Makes a batch, the last one of the objective, which has the capacity for it. */
 pdyn_status objective_add_batch(struct objective *objective, const struct batch_def *def);
 

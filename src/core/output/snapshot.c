@@ -55,9 +55,9 @@ static void persist_particles(struct pdyn_sim *sim, struct snapshot_file *a) {
 /* Neighbour lists are built again at the positions of their last build, because the order of their
  * entries determines rounding errors of sums; then solids are moved to the current time. */
 static void persist_neighbours(struct pdyn_sim *sim, struct snapshot_file *a) {
-    if (!sim->neighbours) return;
+    if (!sim->objective.neighbours) return;
     if (a->view.reading && a->status == PDYN_OK) live_particles_update_lists(sim);
-    neighbours_persist(sim->neighbours, a);
+    neighbours_persist(sim->objective.neighbours, a);
     if (!a->view.reading || a->status != PDYN_OK) return;
     a->status = objective_share_lists(&sim->objective);
     kinematic_move(sim, sim->time);

@@ -6,7 +6,7 @@
 
 static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_body *body,
                              const struct scene_constraint *c) {
-    const pdyn_neighbours *lists = sim->neighbours ? neighbours_view(sim->neighbours) : NULL;
+    const pdyn_neighbours *lists = objective_lists(&sim->objective);
     const struct batch_def def = {c->type, c->params, body, lists, &sim->services};
     return objective_add_batch(&sim->objective, &def);
 }
@@ -16,7 +16,8 @@ static pdyn_status add_constraint(struct pdyn_sim *sim, const pdyn_body *body,
     struct objective *objective = &sim->objective;
     pdyn_status status = add_batch(sim, body, c);
     if (status != PDYN_OK) return status;
-    if (c->type->matrix_free) objective->batch[objective->batches - 1]->samples = sim->samples;
+    if (c->type->matrix_free)
+        objective->batch[objective->batches - 1]->samples = objective->samples;
     objective->dynamic_rows |= c->type->matrix_free || c->type->update;
     sim->constraints = objective->batches;
     return batch_join_rows(objective->batch[objective->batches - 1]);
@@ -61,10 +62,10 @@ static pdyn_status add_slip_and_seepage(struct pdyn_sim *sim) {
         slip |= sim->scene.body[b].fluid_friction > 0.0;
         seepage |= sim->body[b].permeability > 0.0;
     }
-    if (!sim->samples || !(slip || seepage)) return PDYN_OK;
-    pdyn_status status =
-        wet_sides_create(sim->context, &sim->scene, sim->body, objective->particles, sim->samples,
-                         neighbours_view(sim->neighbours), &objective->wet_sides);
+    if (!objective->samples || !(slip || seepage)) return PDYN_OK;
+    pdyn_status status = wet_sides_create(
+        sim->context, &sim->scene, sim->body, objective->particles, objective->samples,
+        neighbours_view(objective->neighbours), &objective->wet_sides);
     const pdyn_body *surfaces = status == PDYN_OK ? &objective->wet_sides->all : NULL;
     if (status == PDYN_OK && slip)
         status = add_own(objective, &pdyn_constraint_slip, surfaces, NULL);
@@ -80,7 +81,7 @@ pdyn_status batches_create(struct pdyn_sim *sim) {
     int count = 0;
     for (int b = 0; b < sim->bodies; b++) count += 2 * sim->scene.body[b].constraints;
     if (sim->scene.has_contact) count += 3; /* contact, its damping, friction */
-    if (sim->samples) count += 2;           /* slip, seepage */
+    if (sim->objective.samples) count += 2; /* slip, seepage */
     objective->batch = NEW_ARRAY(sim->context, count, struct batch *);
     if (count && !objective->batch) return PDYN_NO_MEMORY;
     objective->capacity = count;

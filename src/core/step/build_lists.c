@@ -16,7 +16,7 @@ static const double skin_size = 0.4;
 
 /* The number of particles and samples. */
 static int extended_count(const struct pdyn_sim *sim) {
-    return sim->objective.particles + (sim->samples ? sim->samples->count : 0);
+    return sim->objective.particles + (sim->objective.samples ? sim->objective.samples->count : 0);
 }
 
 /* Of fluid particles, samples and boundary points; a surface acts by its samples alone. */
@@ -28,8 +28,8 @@ static pdyn_status fill_volumes(struct pdyn_sim *sim, double spacing, int partic
         for (int i = body->first; i < body->first + body->count; i++)
             volume[i] = spacing * spacing * spacing, centre[i] = true;
     }
-    for (int k = 0; sim->samples && k < sim->samples->count; k++)
-        volume[sim->objective.particles + k] = sim->samples->rest_volume[k];
+    for (int k = 0; sim->objective.samples && k < sim->objective.samples->count; k++)
+        volume[sim->objective.particles + k] = sim->objective.samples->rest_volume[k];
     return solid_points_compute_volumes(sim, spacing, volume + particles, is_wall);
 }
 
@@ -62,7 +62,8 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
                                        .skin = skin,
                                        .occlusion = sim->occlusion};
     if (status == PDYN_OK)
-        status = neighbours_create(sim->context, &points, sim->samples, &sim->neighbours);
+        status = neighbours_create(sim->context, &points, sim->objective.samples,
+                                   &sim->objective.neighbours);
     FREE_ARRAY(sim->context, volume, n + sim->boundary.at.count);
     FREE_ARRAY(sim->context, centre, n);
     FREE_ARRAY(sim->context, is_wall, sim->boundary.at.count + 1);
@@ -72,7 +73,7 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
 /* Does some surface need the limit on displacements? Walls of a box and boundary "points" do not.
  */
 static pdyn_status make_limits(struct pdyn_sim *sim) {
-    bool surfaces = sim->samples;
+    bool surfaces = sim->objective.samples;
     for (int k = 0; k < sim->boundary.at.count; k++) surfaces |= !sim->boundary.point[k].of_box;
     if (!surfaces || sim->scene.settings.boundary->volumes) return PDYN_OK;
     sim->max_step = NEW_ARRAY(sim->context, extended_count(sim), double);
@@ -90,12 +91,11 @@ pdyn_status lists_create(struct pdyn_sim *sim) {
     pdyn_status status = solid_points_sample(sim, spacing);
     if (status == PDYN_OK)
         status = samples_create(sim->context, sim->bodies, sim->body, sim->objective.particles,
-                                sim->rest, &sampling, &sim->samples);
+                                sim->rest, &sampling, &sim->objective.samples);
     if (status == PDYN_OK) status = create_neighbours(sim, spacing);
     if (status == PDYN_OK) status = make_limits(sim);
     if (status != PDYN_OK) return status;
     live_particles_update_lists(sim);
-    sim->objective.neighbours = sim->neighbours, sim->objective.samples = sim->samples;
     status = objective_build_lists(&sim->objective, sim->x);
     for (int b = 0; status == PDYN_OK && b < sim->bodies; b++)
         if (has_neighbour_lists(sim, b)) warn_of_fills(sim, b);
@@ -104,8 +104,8 @@ pdyn_status lists_create(struct pdyn_sim *sim) {
 
 void lists_free(struct pdyn_sim *sim) {
     FREE_ARRAY(sim->context, sim->max_step, extended_count(sim));
-    neighbours_free(sim->neighbours);
-    samples_free(sim->samples);
+    neighbours_free(sim->objective.neighbours);
+    samples_free(sim->objective.samples);
     occlusion_free(sim->occlusion);
     boundary_points_free(sim->context, &sim->boundary);
     kinematic_free(sim->context, &sim->motion);

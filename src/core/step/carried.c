@@ -83,7 +83,7 @@ static void carry_block(void *arg, int first, int last, int block) {
 static void carry_all(struct pdyn_sim *sim) {
     const struct kernel_model *kernel = sim->scene.settings.kernel;
     struct call call = {.sim = sim,
-                        .lists = neighbours_view(sim->neighbours),
+                        .lists = neighbours_view(sim->objective.neighbours),
                         .kernel = surface_kernel_make(kernel, sim_spacing(sim))};
     for (int b = 0; b < sim->bodies; b++) {
         call.first = sim->body[b].first;

@@ -135,7 +135,7 @@ static void step_body(struct pdyn_sim *sim, int b) {
     struct search s = {.sim = sim, .body = body};
     bool particles = body_is_particles(body);
     if (particles ? !c->fluid : !c->bodies) return;
-    if (has_neighbour_lists(sim, b)) s.lists = neighbours_view(sim->neighbours);
+    if (has_neighbour_lists(sim, b)) s.lists = neighbours_view(sim->objective.neighbours);
     if (!particles) s.first_surface = c->swept.count - c->swept.solids;
     pool_for(sim->context->pool, body->count, GRAIN, find_passed, &s);
     for (int i = body->first; i < body->first + body->count; i++) update_beyond(c, i);

@@ -65,8 +65,8 @@ void fluid_at_fit(const struct pdyn_sim *sim, const double *at, double radius,
                   double value[FLUID_VALUES]) {
     struct fit fit = {.sim = sim, .at = at, .radius = radius};
     memset(value, 0, FLUID_VALUES * sizeof *value);
-    if (!sim->forces_known || !sim->neighbours) return;
-    neighbours_visit(sim->neighbours, at, radius, add_particle, &fit);
+    if (!sim->forces_known || !sim->objective.neighbours) return;
+    neighbours_visit(sim->objective.neighbours, at, radius, add_particle, &fit);
     if (fit.count) evaluate(&fit, value);
 }
 
@@ -103,7 +103,7 @@ double fluid_at_height(const struct pdyn_sim *sim, const double *at) {
         double x[3] = {at[0], at[1], at[2]};
         c.level = c.top;
         vec3_add(x, c.level + 0.5 * GAP * c.spacing, c.up);
-        neighbours_visit(sim->neighbours, x, GAP * c.spacing, climb, &c);
+        neighbours_visit(sim->objective.neighbours, x, GAP * c.spacing, climb, &c);
     } while (c.top > c.level);
     return c.top > 0.0 ? c.top + 0.5 * c.spacing : 0.0;
 }

@@ -117,7 +117,7 @@ static pdyn_status reserve_batches(struct objective *objective, int count) {
 /* Makes the batch of the holds from *first on that have its body; moves *first behind them. */
 static pdyn_status make_batch(struct pdyn_sim *sim, size_t *first) {
     struct control *c = &sim->control;
-    const pdyn_neighbours *lists = sim->neighbours ? neighbours_view(sim->neighbours) : NULL;
+    const pdyn_neighbours *lists = objective_lists(&sim->objective);
     const pdyn_body *body = body_of(sim, c->hold[*first].particle);
     struct hold_group *group = &c->group[c->batches];
     *group = (struct hold_group){c, *first, 0};

@@ -53,8 +53,9 @@ void kinematic_move(struct pdyn_sim *sim, double time) {
         pose_place(&m->solid->motion, motion->placed.x + 3 * (size_t)(m->first - resting), m->count,
                    time, sim->boundary.at.x + 3 * (size_t)m->first);
     }
-    if (sim->neighbours)
-        neighbours_move_boundary(sim->neighbours, sim->boundary.at.x + 3 * (size_t)resting);
+    if (sim->objective.neighbours)
+        neighbours_move_boundary(sim->objective.neighbours,
+                                 sim->boundary.at.x + 3 * (size_t)resting);
 }
 
 /* ---- speed ----------------------------------------------------------------------------------- */

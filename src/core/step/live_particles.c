@@ -161,8 +161,8 @@ void live_particles_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
 }
 
 void live_particles_update_lists(struct pdyn_sim *sim) {
-    if (sim->live && sim->neighbours)
-        neighbours_set_live(sim->neighbours, sim->live->live, sim->live->pusher);
+    if (sim->live && sim->objective.neighbours)
+        neighbours_set_live(sim->objective.neighbours, sim->live->live, sim->live->pusher);
 }
 
 void live_particles_predict(struct pdyn_sim *sim) {

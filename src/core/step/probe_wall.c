@@ -29,7 +29,7 @@ struct wall_point {
 static struct wall wall_at(const struct pdyn_sim *sim, const struct probe_place *place,
                            double radius) {
     const struct scene_probe *probe = place->probe;
-    int samples = sim->samples ? sim->samples->count : 0;
+    int samples = sim->objective.samples ? sim->objective.samples->count : 0;
     return (struct wall){.sim = sim,
                          .probe = probe,
                          .at = place->x,
@@ -70,7 +70,7 @@ static bool find_boundary_point(struct wall *wall, int k, struct wall_point *out
 
 static bool find_sample(const struct wall *wall, int k, struct wall_point *out) {
     const struct pdyn_sim *sim = wall->sim;
-    const struct surface_samples *samples = sim->samples;
+    const struct surface_samples *samples = sim->objective.samples;
     const pdyn_body *body = &sim->body[wall->probe->on_body];
     const int *vertex = samples->vertex + 3 * (size_t)k;
     if (*vertex < body->first || *vertex >= body->first + body->count) return false;
@@ -145,7 +145,7 @@ double probe_wall_pressure(const struct pdyn_sim *sim, const struct probe_place 
 /* batch_force leaves the gradient with respect to samples in their output. The volumes of samples
  * on a rigid body are constant, so they add no force. */
 void probe_wall_sum(const struct pdyn_sim *sim) {
-    const struct surface_samples *samples = sim->samples;
+    const struct surface_samples *samples = sim->objective.samples;
     double *force = sim->probes->sample_force;
     memset(force, 0, 3 * (size_t)samples->count * sizeof *force);
     for (int b = 0; b < sim->objective.batches; b++) {

@@ -186,7 +186,8 @@ static int count_points(const struct scene *scene) {
 
 static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
     struct probes *p = sim->probes;
-    size_t samples = sim->samples && has_wall_of_body(&sim->scene) ? sim->samples->count : 0;
+    size_t samples =
+        sim->objective.samples && has_wall_of_body(&sim->scene) ? sim->objective.samples->count : 0;
     const struct array_entry table[] = {
         ARRAY(p->probe, p->count),
         ARRAY(p->value, p->values),

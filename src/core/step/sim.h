@@ -87,10 +87,9 @@ struct pdyn_sim {
     struct boundary_points boundary; /* boundary points on solids */
     struct kinematic_solids motion;  /* motion of the last boundary points */
     struct carried *carried;         /* beside moving solids; NULL: nothing is carried */
-    struct surface_samples *samples; /* samples on surfaces that act on a fluid; NULL: none */
-    struct occlusion *occlusion; /* the same surfaces, which hide fluid particles from each other */
-    struct neighbours *neighbours; /* NULL: no constraint needs them */
-    pdyn_services services;        /* functions that operators may call */
+    struct occlusion
+        *occlusion;         /* surfaces with samples, which hide fluid particles from each other */
+    pdyn_services services; /* functions that operators may call */
 
     /* The program, and what it is told. */
     struct control control; /* what it changes between steps */

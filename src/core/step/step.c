@@ -50,14 +50,15 @@ static pdyn_status predict(struct pdyn_sim *sim, const struct step_end *end) {
 /* Updates neighbour lists, after particles have come or gone, and volumes and friction of the
  * surface samples to the start of the step. Volumes and friction are constant within the step. */
 static pdyn_status prepare_lists(struct pdyn_sim *sim) {
-    struct wet_sides *wet = sim->objective.wet_sides;
+    struct objective *objective = &sim->objective;
+    struct wet_sides *wet = objective->wet_sides;
     const double *extended;
-    if (sim->samples) {
-        samples_update_volumes(sim->samples, sim->x);
-        neighbours_set_sample_volumes(sim->neighbours, sim->samples);
+    if (objective->samples) {
+        samples_update_volumes(objective->samples, sim->x);
+        neighbours_set_sample_volumes(objective->neighbours, objective->samples);
     }
-    if (!sim->neighbours || !(sim->live || wet)) return PDYN_OK;
-    pdyn_status status = objective_ensure_lists(&sim->objective, sim->x, &extended);
+    if (!objective->neighbours || !(sim->live || wet)) return PDYN_OK;
+    pdyn_status status = objective_ensure_lists(objective, sim->x, &extended);
     return status == PDYN_OK && wet ? wet_sides_find(wet, extended) : status;
 }
 
@@ -116,7 +117,7 @@ static bool is_far_off(const struct pdyn_sim *sim, const struct progress *progre
 static pdyn_status attempt(struct pdyn_sim *sim, const struct step_end *end,
                            struct progress *progress) {
     *progress = (struct progress){0};
-    if (sim->neighbours) neighbours_begin_step(sim->neighbours, sim->x);
+    if (sim->objective.neighbours) neighbours_begin_step(sim->objective.neighbours, sim->x);
     struct contact *contact = sim->objective.contact;
     pdyn_status status = contact ? contact_begin(contact, sim->x, end->time) : PDYN_OK;
     if (status == PDYN_OK) status = prepare_lists(sim);
@@ -213,7 +214,7 @@ static void finish_step(struct pdyn_sim *sim, const struct step_end *end,
     sim->far_off = is_far_off(sim, progress);
     crossings_step(sim, end->h);
     accept(sim, end->h, progress->rise);
-    if (sim->neighbours) neighbours_end_step(sim->neighbours);
+    if (sim->objective.neighbours) neighbours_end_step(sim->objective.neighbours);
     timestep_check(sim, end->h, progress->residual);
     solver_choice_step(sim, progress->linear, sim->solved);
     timestep_advance(sim, end);

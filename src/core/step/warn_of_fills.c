@@ -38,7 +38,7 @@ static bool is_too_close(const struct pdyn_sim *sim, int b, int i, int j, struct
 
 /* Each pair is seen from the particle with the larger index. */
 static struct close find_close(const struct pdyn_sim *sim, int b) {
-    const pdyn_neighbours *view = neighbours_view(sim->neighbours);
+    const pdyn_neighbours *view = neighbours_view(sim->objective.neighbours);
     const pdyn_body *body = &sim->body[b];
     struct close found = {0}, pair = {0};
     for (int i = body->first; i < body->first + body->count; i++)
@@ -65,7 +65,7 @@ static void check_volumes(struct pdyn_sim *sim, int b) {
 
 /* Particles at one place: constraints have no direction to separate them. */
 static void check_coincident(struct pdyn_sim *sim, const pdyn_body *fluid) {
-    const pdyn_neighbours *view = neighbours_view(sim->neighbours);
+    const pdyn_neighbours *view = neighbours_view(sim->objective.neighbours);
     int count = 0;
     for (int i = fluid->first; i < fluid->first + fluid->count; i++)
         for (int k = view->start[i]; k < view->boundary_start[i]; k++) {

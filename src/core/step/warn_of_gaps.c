@@ -55,17 +55,18 @@ static bool is_held(const struct pdyn_sim *sim, int b) {
 }
 
 static struct around look_around(const struct pdyn_sim *sim, int i) {
-    const pdyn_neighbours *lists = neighbours_view(sim->neighbours);
+    const pdyn_neighbours *lists = objective_lists(&sim->objective);
+    const struct surface_samples *samples = sim->objective.samples;
     const double *x = sim->x + 3 * (size_t)i;
     double behind = sim_spacing(sim) *
                     boundary_outside(sim->scene.settings.boundary, sim->scene.settings.kernel);
     struct around around = {0};
     for (int m = lists->surface_start[i]; m < lists->boundary_start[i]; m++) {
         int sample = lists->index[m] - sim->objective.particles;
-        int b = objective_body_of(&sim->objective, sim->samples->vertex[3 * (size_t)sample]);
+        int b = objective_body_of(&sim->objective, samples->vertex[3 * (size_t)sample]);
         double point[3];
         if (!is_held(sim, b)) continue;
-        samples_at(sim->samples, sample, sim->x, point);
+        samples_at(samples, sample, sim->x, point);
         add_point(&around, sim->scene.solids + b, x, point, 0.0);
     }
     for (int m = lists->boundary_start[i]; m < lists->end[i]; m++) {
@@ -108,7 +109,7 @@ static double error_of(const struct pdyn_sim *sim, const pdyn_body *body, int i)
 }
 
 void warn_of_gaps(struct pdyn_sim *sim, double density_error_max) {
-    if (density_error_max <= max_error || !sim->neighbours) return;
+    if (density_error_max <= max_error || !sim->objective.neighbours) return;
     int pair[2] = {0}, found[2] = {0}, count = 0;
     double worst = 0.0;
     const pdyn_body *fluid = NULL;
