@@ -104,6 +104,72 @@ static void test_blocked(void **state) {
     pdyn_destroy(context);
 }
 
+/* A layer of 8 x 8 particles, 0.2 m wide, that flows along x. */
+#define BESIDE(solid, inlet)                                                                       \
+    "{" STEPS FLOAT ", 'solids': [" solid "], 'bodies': [{'particles': {'radius': 0.0125, "        \
+    "'inlets': [{'rectangle': {'center': [0, 0, 0], 'size': [0.2, 0.2]}, 'direction': [1, 0, 0], " \
+    "'speed': 1" inlet "}]}, 'constraints': [{'type': 'fluid', 'stiffness': 1e5}]}]}"
+#define CHANNEL(bottom, more)                                                                      \
+    "{'box': {'minimum': [0, " bottom                                                              \
+    ", -0.1], 'maximum': [1, 0.2, 0.1]}, 'open': ['+x', '+y']" more "}"
+#define PLACED(key) ", 'pivot': [0, 0, 0], 'motion': [{'time': 0, " key "}]"
+#define MOVING      ", 'motion': [{'time': 0}, {'time': 1, 'translate': [0, 0, 1]}]"
+
+/* Particles that solids cover do not enter; those that solids cover at the start of a motion do. */
+static void test_covered(void **state) {
+    (void)state;
+    static const struct {
+        const char *text;
+        int left_out, covered;
+    } cases[] = {
+        /* an opening that fits its channel, half a spacing too low, two too low, above the floor */
+        {BESIDE(CHANNEL("-0.1", ""), ""), 0, 0},
+        {BESIDE(CHANNEL("-0.0875", ""), ""), 8, 0},
+        {BESIDE(CHANNEL("-0.05", ""), ""), 16, 0},
+        {BESIDE(CHANNEL("-0.5", ""), ""), 0, 0},
+        /* poses of one key, of the inlet and of both; motions of the channel and of the inlet */
+        {BESIDE(CHANNEL("0.0", ""), PLACED("'translate': [0, 0.05, 0]")), 16, 0},
+        {BESIDE(CHANNEL("-0.1", PLACED("'rotate': [0, 0, 20]")), PLACED("'rotate': [0, 0, 20]")), 0,
+         0},
+        {BESIDE(CHANNEL("-0.05", MOVING), ""), 0, 16},
+        {BESIDE(CHANNEL("-0.05", ""), MOVING), 0, 16},
+        /* obstacles: a block below, a ball in a corner, a plane across the upper half */
+        {BESIDE("{'box': {'minimum': [-1, -1, -1], 'maximum': [1, -0.05, 1]}}", ""), 16, 0},
+        {BESIDE("{'sphere': {'center': [0.05, 0.1, 0.1], 'radius': 0.05}}", ""), 3, 0},
+        {BESIDE("{'plane': {'center': [0.025, 0.5, 0], 'normal': [1, 0, 0], 'size': 1}}", ""), 32,
+         0},
+        /* an opening in the wall of a closed solid, and one within: the solid holds the fluid */
+        {BESIDE("{'capsule': {'from': [0.5, 0, 0], 'to': [0.5, 0.01, 0], 'radius': 0.51}}", ""), 0,
+         0},
+        {BESIDE("{'sphere': {'center': [0, 0, 0], 'radius': 0.2}}", ""), 0, 0},
+    };
+    pdyn_context *context = test_context(1);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        pdyn_sim *sim = test_load(context, cases[k].text);
+        const struct scene_inlet *inlet = &sim->scene.body[0].inlet[0];
+        assert_int_equal(inlet->left_out.count, cases[k].left_out);
+        assert_int_equal(inlet->covered.count, cases[k].covered);
+        assert_int_equal(pdyn_get_body(sim, 0).live, 2 * (64 - cases[k].left_out));
+        pdyn_free(sim);
+    }
+    pdyn_destroy(context);
+}
+
+/* Half of an opening reaches into the floor of a channel: the flow stays calm. */
+static void test_flow_beside_a_floor(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, BESIDE(CHANNEL("0.0", ""), ""));
+    for (int n = 0; n < 60; n++) {
+        pdyn_step_info info = test_step(context, sim);
+        double mass = 1000.0 * pow(spacing, 3) * info.particles;
+        assert_true(info.density_error_max < 0.01);
+        assert_true(info.kinetic_energy < 0.6 * mass); /* at 1 m/s */
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* A free jet is nowhere above rest density. */
 static void test_free_jet(void **state) {
     (void)state;
@@ -420,6 +486,7 @@ static void test_saved(void **state) {
 static void test_failing_allocator(void **state) {
     (void)state;
     test_failing_scene(fountain);
+    test_failing_scene(BESIDE("{'sphere': {'center': [0.05, 0.1, 0.1], 'radius': 0.05}}", ""));
 }
 
 int main(void) {
@@ -427,6 +494,8 @@ int main(void) {
         cmocka_unit_test(test_emitted_mass),
         cmocka_unit_test(test_place),
         cmocka_unit_test(test_blocked),
+        cmocka_unit_test(test_covered),
+        cmocka_unit_test(test_flow_beside_a_floor),
         cmocka_unit_test(test_free_jet),
         cmocka_unit_test(test_before_the_start),
         cmocka_unit_test(test_outlet),

@@ -128,7 +128,13 @@ MISTAKES = [
             "its motion begins at 24 s, but the scene ends at 0.06 s [never]"),
     Mistake("an outlet that was to be outside", change(("outlets", [ALL]), *WATER_ONLY), "[outlet]"),
     Mistake("an inlet that points out of its tank", change(("bodies.0.particles", {"radius": 0.02, "inlets": [
-        {**JET, "disc": {"center": [0.2, 0.2, 0], "radius": 0.05}, "direction": [1, 0, 0]}]}), *WATER_ONLY), "flows out of the solid", "[blocked]", codes=(1, 1)),
+        {**JET, "disc": {"center": [0.2, 0.2, 0], "radius": 0.05}, "direction": [1, 0, 0]}]}), *WATER_ONLY),
+            'solid "tank" covers 5 particles of a layer, the first at (0.22, 0.16, 0) m, and none is left to flow in', codes=(2, 2)),
+    Mistake("an inlet that reaches into the floor", change(("bodies.0.particles", {"radius": 0.02, "inlets": [
+        {**JET, "disc": {"center": [-0.2, 0.02, 0], "radius": 0.08}, "direction": [1, 0, 0]}]}), *WATER_ONLY),
+            'of a layer of inlet 0, the first at', '[blocked]'),
+    Mistake("an inlet in a ball", change(("bodies.0.particles", {"radius": 0.02, "inlets": [JET]}), ("solids.1", {
+        "name": "ball", "sphere": {"center": [0, 0.1, 0], "radius": 0.08}}), *WATER_ONLY), 'solid "ball" covers', codes=(2, 2)),
     Mistake("a rigid ball inside a solid one", change(("bodies.0", None), ("bodies.0", {**MARBLE}), ("solids.1", {
         "name": "jail", "sphere": {"center": [0, 0.2, 0], "radius": 0.1}})), '"jail" [overlap]'),
     Mistake("cloth far coarser than the water",

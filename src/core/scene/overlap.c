@@ -8,8 +8,6 @@
 
 enum { GRAIN = 1024 }; /* particles per parallel block */
 
-/* The points of a wall lie a spacing behind it and push particles closer than 1.5 spacings. */
-static const double behind_walls = 5.0; /* radii */
 static const double max_overlap = 1e-3; /* share of a body's particles that may overlap when kept */
 
 struct obstacle { /* a solid or a body with triangles */
@@ -32,18 +30,23 @@ struct search {
     unsigned char *flag;
 };
 
-/* Whether x is outside of a wall of a vessel and closer to it than `distance`. */
-static bool is_behind_wall(const struct scene_solid *vessel, const double x[3], double distance) {
-    double at[3];
+bool overlap_is_behind_wall(const struct scene_solid *vessel, const double rest[3],
+                            double distance) {
     bool behind = false;
-    pose_to_rest(&vessel->motion, 0.0, x, at);
     for (int side = 0; side < 6; side++) {
         int a = side / 2;
-        double beyond = side % 2 ? at[a] - vessel->box.max[a] : vessel->box.min[a] - at[a];
+        double beyond = side % 2 ? rest[a] - vessel->box.max[a] : vessel->box.min[a] - rest[a];
         if (beyond > distance) return false;
         behind |= beyond > 0.0 && !(vessel->open >> side & 1u);
     }
     return behind;
+}
+
+/* The same of a point of the world at the start of the scene. */
+static bool is_behind_wall(const struct scene_solid *vessel, const double x[3], double distance) {
+    double rest[3];
+    pose_to_rest(&vessel->motion, 0.0, x, rest);
+    return overlap_is_behind_wall(vessel, rest, distance);
 }
 
 static void flag_particles(void *arg, int first, int last, int block) {
@@ -115,7 +118,7 @@ static pdyn_status resolve_flagged(const struct json_at *at, struct scene_body *
 static bool is_near(const struct scene_body *body, const struct obstacle *o) {
     struct box water = box_around(body->start.x, body->start.count);
     struct box obstacle = box_around(o->mesh.vertex, o->mesh.vertices);
-    double reach = body->radius * (o->vessel ? behind_walls : 1.0);
+    double reach = body->radius * (o->vessel ? OVERLAP_BEHIND_WALLS : 1.0);
     for (int a = 0; a < 3; a++) water.min[a] -= reach, water.max[a] += reach;
     return box_overlaps(&water, &obstacle);
 }
@@ -135,7 +138,7 @@ static pdyn_status resolve_near(const struct json_at *at, struct scene_body *bod
                             .distance = distance,
                             .closed = closed == PDYN_OK,
                             .vessel = body->keep_overlap ? NULL : o->vessel,
-                            .behind = behind_walls * body->radius,
+                            .behind = OVERLAP_BEHIND_WALLS * body->radius,
                             .flag = flag};
     pool_for(context->pool, body->start.count, GRAIN, flag_particles, &search);
     mesh_query_free(context, &query);

@@ -20,4 +20,13 @@ void overlap_find_vessels(struct scene *scene);
 pdyn_status overlap_resolve(const struct json_at *at, const struct scene *scene,
                             struct scene_body *body);
 
+/* The points of a wall lie a spacing behind it and push particles closer than 1.5 spacings: the
+ * distance, in radii, within which it acts on the fluid behind it. */
+enum { OVERLAP_BEHIND_WALLS = 5 };
+
+/* Whether a point, m, lies outside of a wall of a vessel, which rests, and closer to it than
+ * `distance`, m. */
+bool overlap_is_behind_wall(const struct scene_solid *vessel, const double rest[3],
+                            double distance);
+
 #endif

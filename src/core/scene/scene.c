@@ -6,6 +6,7 @@
 #include "fingerprint.h"
 #include "head.h"
 #include "inlet.h"
+#include "inlet_cover.h"
 #include "keyed.h"
 #include "motion.h"
 #include "overlap.h"
@@ -91,7 +92,9 @@ static pdyn_status resolve_all(struct reader *r, const struct json_at *at, int i
 
 static pdyn_status resolve_overlap(struct reader *r, const struct json_at *at, int index) {
     struct json_at particles = json_member(at, "particles");
-    return overlap_resolve(&particles, r->scene, &r->scene->body[index]);
+    struct scene_body *body = &r->scene->body[index];
+    pdyn_status status = overlap_resolve(&particles, r->scene, body);
+    return status == PDYN_OK ? inlet_cover_resolve(&particles, r->scene, body) : status;
 }
 
 /* ---- parts of a scene ------------------------------------------------------------------------ */

@@ -41,6 +41,12 @@ struct scene_motion {      /* the pose over time: linear between keys, constant 
     double pivot[3];       /* m, world space */
 };
 
+struct scene_cover {                 /* particles of a layer that solids cover (inlet_cover.h) */
+    int count;                       /* of them */
+    const struct scene_solid *solid; /* that covers the first one; NULL: none */
+    double first[3];                 /* m, place of that in the opening */
+};
+
 struct scene_inlet {        /* an inlet of particles: it emits layers one spacing apart */
     double direction[3];    /* unit vector of the flow */
     pdyn_path speed;        /* at least one key, of one number, m/s */
@@ -48,7 +54,9 @@ struct scene_inlet {        /* an inlet of particles: it emits layers one spacin
     double end;             /* s; INFINITY: that of the scene */
     double travelled;       /* m, by the first layer until `start` */
     struct scene_motion motion;
-    struct point_list layer; /* positions of the particles of one layer at rest, m */
+    struct point_list layer;     /* positions of the particles of one layer at rest, m */
+    struct scene_cover left_out; /* of the layer, by solids */
+    struct scene_cover covered;  /* those that stay, as the inlet or the solid moves */
 };
 
 struct scene_outlet { /* an outlet: a region in which particles are removed */

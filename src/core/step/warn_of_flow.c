@@ -4,47 +4,31 @@
 #include "sim.h"
 #include "warn.h"
 
-#include "projdyn/vec3.h"
-
-#include <string.h>
-
 /* Share of the particles at the start that outlets may remove at once. */
 static const double max_removed = 0.5;
-/* How far in front of its opening an inlet needs room, in spacings. */
-static const double room_in_front = 1.5;
+/* Share of an inlet's layer that solids may cover. */
+static const double max_covered = 0.1;
 
 /* ---- inlets ---------------------------------------------------------------------------------- */
 
-/* Whether the opening, in or inside of a wall of the vessel, flows out of it. */
-static bool leaves(const struct scene_solid *solid, const double opening[3], const double front[3],
-                   double spacing) {
-    struct box around = solid->box;
-    for (int a = 0; a < 3; a++) around.min[a] -= 0.5 * spacing, around.max[a] += 0.5 * spacing;
-    return solid->is_vessel && box_contains(&around, opening) && !box_contains(&solid->box, front);
-}
-
-/* Whether a closed solid contains the place in front of the opening. */
-static bool obstructs(const struct scene_solid *solid, const double front[3]) {
-    return solid->kind == SOLID_BOX && !solid->is_vessel && box_contains(&solid->box, front);
+static void check_cover(struct pdyn_sim *sim, const pdyn_body *body, int number,
+                        const struct scene_cover *cover, const char *effect) {
+    const struct scene_inlet *inlet = &sim->scene.body[body - sim->body].inlet[number];
+    int count = inlet->layer.count + inlet->left_out.count;
+    if (cover->count <= max_covered * count) return;
+    WARN(sim, BLOCKED, body->name,
+         "solids cover %d of %d particles of a layer of inlet %d, the first at (%.4g, %.4g, %.4g) "
+         "m by \"%s\", and %s; expected an opening that fits beside them: move, turn (\"up\") or "
+         "shrink it",
+         cover->count, count, number, cover->first[0], cover->first[1], cover->first[2],
+         cover->solid->name, effect);
 }
 
 static void check_inlet(struct pdyn_sim *sim, const pdyn_body *body, int number) {
     const struct scene_inlet *inlet = &sim->scene.body[body - sim->body].inlet[number];
-    double opening[3] = {0}, front[3], spacing = 2.0 * body->radius;
-    for (int k = 0; k < inlet->layer.count; k++)
-        vec3_add(opening, 1.0 / inlet->layer.count, inlet->layer.x + 3 * (size_t)k);
-    memcpy(front, opening, sizeof front);
-    vec3_add(front, room_in_front * spacing, inlet->direction);
-    for (int s = 0; s < sim->scene.solids && !inlet->motion.keys; s++) {
-        const struct scene_solid *solid = &sim->scene.solid[s];
-        if (solid->motion.keys) continue;
-        if (leaves(solid, opening, front, spacing))
-            WARN(sim, BLOCKED, body->name, "inlet %d flows out of the solid \"%s\"", number,
-                 solid->name);
-        else if (obstructs(solid, front))
-            WARN(sim, BLOCKED, body->name, "inlet %d flows into the solid \"%s\"", number,
-                 solid->name);
-    }
+    check_cover(sim, body, number, &inlet->left_out, "these do not enter");
+    check_cover(sim, body, number, &inlet->covered,
+                "these enter all the same, as inlet or solid moves, and may burst out");
 }
 
 /* ---- outlets --------------------------------------------------------------------------------- */
