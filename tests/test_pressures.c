@@ -114,7 +114,7 @@ static void test_work(void **state) {
     pdyn_sim *sim = test_load(context, POUR(ROUGH, "1e4"));
     test_step(context, sim);
     struct objective *o = &sim->objective;
-    int64_t before = o->work, entries = (int64_t)VECTORS * o->particles;
+    int64_t before = o->work, entries = (int64_t)WORK_OF_VECTORS * o->particles;
     for (int b = 0; b < o->batches; b++) {
         const struct batch *batch = o->batch[b];
         entries += batch->op ? 30 * batch->one_sided.at.count : batch->entries;

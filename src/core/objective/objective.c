@@ -16,9 +16,9 @@ struct call {
 };
 
 /* Returns the number of blocks. */
-static int for_particles(struct objective *o, pdyn_range_fn *fn, const double *a, const double *b,
-                         double *out, double scale) {
-    struct call call = {o, a, b, out, scale};
+static int for_particles(struct objective *o, pdyn_range_fn *fn, const double *a, double *out,
+                         double scale) {
+    struct call call = {.objective = o, .a = a, .out = out, .scale = scale};
     return pool_for_between(o->context->pool, 0, o->particles, PARTICLE_GRAIN, fn, &call);
 }
 
@@ -26,6 +26,16 @@ double objective_partial_sum(const struct objective *o, int blocks) {
     double sum = 0.0;
     for (int k = 0; k < blocks; k++) sum += o->partial[k];
     return sum;
+}
+
+int objective_body_of(const struct objective *o, int particle) {
+    int low = 0, high = o->bodies;
+    while (high - low > 1) {
+        int middle = low + (high - low) / 2;
+        if (o->body[middle].first <= particle) low = middle;
+        else high = middle;
+    }
+    return low;
 }
 
 pdyn_status objective_add_batch(struct objective *o, const struct batch_def *def) {
@@ -45,7 +55,7 @@ static void count_work(struct objective *o, int one_sided) {
 static void count_vectors(struct objective *o, int particles) {
     int rigid = 0;
     for (int k = 0; o->rigid && k < o->rigid->bodies; k++) rigid += o->rigid->body[k].vertices;
-    o->work += (int64_t)VECTORS * (particles + rigid);
+    o->work += (int64_t)WORK_OF_VECTORS * (particles + rigid);
 }
 
 /* ---- energy and gradient --------------------------------------------------------------------- */
@@ -112,7 +122,7 @@ pdyn_status objective_local(struct objective *o, const double *x, double *energy
     if (status != PDYN_OK) return status;
     double start = clock_ms();
     o->x = x;
-    *energy = objective_partial_sum(o, for_particles(o, inertia, x, NULL, gradient, 0.0));
+    *energy = objective_partial_sum(o, for_particles(o, inertia, x, gradient, 0.0));
     residual_open(o, gradient);
     for (int b = 0; status == PDYN_OK && b < o->batches; b++) {
         struct batch *batch = o->batch[b];
@@ -198,7 +208,7 @@ void objective_apply(struct objective *o, const double *u, double *y) {
     u = objective_extended(o, u);
     count_vectors(o, o->particles);
     count_work(o, 2); /* of one-sided constraints the rates, then the forces */
-    for_particles(o, apply_inertia, u, NULL, y, 0.0);
+    for_particles(o, apply_inertia, u, y, 0.0);
     for (int b = 0; b < o->batches; b++) batch_apply(o->batch[b], u, y);
     objective_pull(o, y);
 }
@@ -266,7 +276,7 @@ static void scale_block(void *arg, int first, int last, int block) {
 }
 
 void objective_step_along(struct objective *o, double t, double *y) {
-    for_particles(o, scale_block, NULL, NULL, y, t);
+    for_particles(o, scale_block, NULL, y, t);
     for (int b = 0; b < o->batches; b++) batch_step_along(o->batch[b], t, y);
     objective_pull(o, y);
 }
@@ -286,7 +296,7 @@ typedef void add_diagonal_fn(struct batch *batch, double *blocks);
 /* The block diagonal of a part of H; add: adds that of a batch. */
 static void sum_diagonal(struct objective *o, pdyn_part part, add_diagonal_fn *add,
                          double *blocks) {
-    for_particles(o, start_blocks, NULL, NULL, blocks, part == PDYN_WHOLE ? 1.0 : 0.0);
+    for_particles(o, start_blocks, NULL, blocks, part == PDYN_WHOLE ? 1.0 : 0.0);
     for (int b = 0; b < o->batches; b++)
         if (part == PDYN_WHOLE || !batch_is_static(o->batch[b])) add(o->batch[b], blocks);
     if (!o->rigid) return;
@@ -327,5 +337,5 @@ WIDE static void axpy_block(void *arg, int first, int last, int block) {
 }
 
 void objective_axpy(struct objective *o, double scale, const double *x, double *y) {
-    for_particles(o, axpy_block, x, NULL, y, scale);
+    for_particles(o, axpy_block, x, y, scale);
 }

@@ -17,8 +17,10 @@
 #include <stdint.h>
 
 enum { PARTICLE_GRAIN = 2048 }; /* particles per parallel block of vector operations */
-enum { NEIGHBOURHOOD = 15 };    /* entries of rows visited in the time of a density's gradient */
-enum { VECTORS = 10 };          /* the same of the vectors of an iteration, a particle */
+
+/* objective.work counts entries of rows. In the time of so many entries a pass visits the gradient
+ * of a one-sided constraint, and an iteration of a linear solver a particle of its vectors. */
+enum { WORK_OF_GRADIENT = 15, WORK_OF_VECTORS = 10 };
 
 struct objective_body { /* for the residual of a step (residual.h) */
     const pdyn_body *of;
@@ -59,15 +61,13 @@ struct objective {
                              loads */
     double *partial;      /* partial sums, one per block of PARTICLE_GRAIN particles */
     double ms_neighbours, ms_local;
-    int64_t work; /* entries of G that local steps and products have visited so far; a pass over a
-                     one-sided constraint counts as NEIGHBOURHOOD entries, the vector operations of
-                     an iteration as VECTORS a particle */
+    int64_t work; /* of local steps and products so far, in entries of G visited */
 };
 
 /* Counts passes over a batch as work. */
 static inline void objective_count(struct objective *o, const struct batch *b, int passes) {
     o->work +=
-        (int64_t)passes * (b->op ? (int64_t)NEIGHBOURHOOD * b->one_sided.at.count : b->entries);
+        (int64_t)passes * (b->op ? (int64_t)WORK_OF_GRADIENT * b->one_sided.at.count : b->entries);
 }
 
 /* The neighbour lists, as constraints see them; NULL: no constraint needs them. */

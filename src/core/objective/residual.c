@@ -21,16 +21,6 @@ static double sum_between(struct objective *o, int first, int last, pdyn_range_f
 
 /* ---- bodies ---------------------------------------------------------------------------------- */
 
-int objective_body_of(const struct objective *o, int particle) {
-    int low = 0, high = o->bodies;
-    while (high - low > 1) {
-        int middle = low + (high - low) / 2;
-        if (o->body[middle].first <= particle) low = middle;
-        else high = middle;
-    }
-    return low;
-}
-
 WIDE static void squares_block(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     const double *own = c->a + 3 * (size_t)first;
