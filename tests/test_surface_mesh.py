@@ -252,10 +252,27 @@ class Mesh(unittest.TestCase):
         for axis in range(3):
             others = [a for a in range(3) if a != axis]
             edge = (np.abs(x[:, others]) < 0.05).all(axis=1) & (x[:, axis] < 8)
-            self.assertLess(np.diff(np.sort(x[edge, axis])).max(), 1.0)
+            self.assertLess(np.diff(np.sort(x[edge, axis])).max(), 1.1)
         line = [x[(x[:, 0] < 0.05) & (np.abs(x[:, 2] - z) < 0.5), 1].max() for z in range(3, 13)]
         self.assertLess(np.ptp(line), 0.05)
         self.assertLess(np.abs(np.mean(line) - 10), 0.4)
+
+    def test_disturbed_water_fills_a_tank(self):
+        """In the edges of a tank the mesh has no triangle across from wall to wall, up to the line of the water."""
+        particles = lattice(16, 10, 16)
+        particles += SPACING * 0.1 * np.random.default_rng(1).normal(size=particles.shape)
+        corners = SPACING * np.array([[16 * i, 40 * j, 16 * k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+        walls = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3], [0, 4, 5],
+                 [0, 5, 1]]
+        x, triangles = self.surface(particles, solid=(corners, walls))
+        corner = x[triangles] / SPACING
+        normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
+        across = np.sort(np.abs(normal), axis=1)[:, 1]  # areas seen along a wall
+        self.assertLess(across[corner[:, :, 1].max(axis=1) < 9].max(), 0.01)
+        for a in (0, 16):
+            for b in (0, 16):
+                away = np.abs(x[:, [0, 2]] / SPACING - [a, b]).max(axis=1)
+                self.assertGreater(x[away < 0.05, 1].max() / SPACING, 9.4)
 
     def test_sheet_through_water(self):
         """Water on both sides of a sheet is one closed mesh, and keeps its volume."""

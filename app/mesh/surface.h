@@ -10,14 +10,14 @@
 
 struct surface {
     int vertices, triangles;
-    int particles;   /* of the fluid */
-    float *x;        /* vertices x 3, m */
-    float *velocity; /* vertices x 3, m/s: mean of the particles nearby, by kernel */
-    float *normal;   /* vertices x 3, unit vectors */
-    int *triangle;   /* triangles x 3 */
-    int *closest;    /* vertices: the particle next to it, an index of the colour field */
-    bool *attached;  /* vertices: at an obstacle */
-    float *mobility; /* vertices: how far smoothing moves it, 0 to 1; 0 in drops */
+    int particles;        /* of the fluid */
+    float *x;             /* vertices x 3, m */
+    float *velocity;      /* vertices x 3, m/s: mean of the particles nearby, by kernel */
+    float *normal;        /* vertices x 3, unit vectors */
+    int *triangle;        /* triangles x 3 */
+    int *closest;         /* vertices: the particle next to it, an index of the colour field */
+    unsigned char *walls; /* vertices: number of obstacles that it was moved to, 0 to 3 */
+    float *mobility;      /* vertices: how far smoothing moves it, 0 to 1; 0 in drops */
 };
 
 /* Largest number of vertices or triangles: 3 times it fits int. */
@@ -45,8 +45,10 @@ int surface_sample(struct surface *surface, const struct colour_field *field, in
 
 /* Smooths x without shrinking (Taubin 1995), each vertex by its mobility. */
 int surface_smooth(struct surface *surface, int passes, int threads);
-/* The same for the vertices on lines (vertices), each with those of its neighbours on a line. */
-int surface_smooth_line(struct surface *surface, const bool *line, int passes, int threads);
+/* The same for the vertices on lines, each with those of its neighbours on a line. line, mobility:
+ * of each vertex. */
+int surface_smooth_line(struct surface *surface, const bool *line, const float *mobility,
+                        int passes, int threads);
 
 /* Moves vertices beyond an obstacle back to it, and those at most `reach`, m, before one to it. A
  * vertex is beyond an obstacle if a triangle of it lies between the vertex and the closest
@@ -54,7 +56,7 @@ int surface_smooth_line(struct surface *surface, const bool *line, int passes, i
 void surface_attach(struct surface *surface, const struct colour_field *field,
                     const struct obstacles *obstacles, double reach, int threads);
 
-/* Makes attached: moves vertices at rounded edges to the obstacles within `reach`, m, along their
+/* Makes walls: moves vertices at rounded edges to the obstacles within `reach`, m, along their
  * normals, up to a gap, m. */
 int surface_sharpen(struct surface *surface, const struct obstacles *obstacles, double reach,
                     double gap, int threads);

@@ -196,6 +196,6 @@ int surface_extract(const struct colour_field *field, int threads, struct surfac
 
 void surface_free(struct surface *surface) {
     free(surface->x), free(surface->velocity), free(surface->normal), free(surface->triangle);
-    free(surface->closest), free(surface->attached), free(surface->mobility);
+    free(surface->closest), free(surface->walls), free(surface->mobility);
     *surface = (struct surface){0};
 }

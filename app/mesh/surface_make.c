@@ -60,7 +60,8 @@ int surface_carry(const struct run *run, const struct part *part, int f, int thr
 static int surround(const struct vtk_frame *frame, const char *path, double radius, bool drops,
                     const struct obstacles *obstacles, int threads, struct surface *surface) {
     struct colour_field field;
-    double reach = 0.5 * radius;
+    double reach = 0.5 * radius, gap = SURFACE_GAP * radius;
+    double rounding = 1.7 * radius; /* distance from a wall of a rounded edge of moving water */
     int code = colour_field_build(frame, path, radius, threads, &field);
     if (code == EXIT_GOOD) code = surface_extract(&field, threads, surface);
     if (code == EXIT_GOOD && drops) code = surface_add_drops(surface, &field);
@@ -70,8 +71,7 @@ static int surround(const struct vtk_frame *frame, const char *path, double radi
     if (code == EXIT_GOOD) code = surface_smooth(surface, PASSES_AFTER, threads);
     if (code == EXIT_GOOD) surface_attach(surface, &field, obstacles, reach, threads);
     if (code == EXIT_GOOD) code = surface_make_normals(surface, &field, threads);
-    if (code == EXIT_GOOD)
-        code = surface_sharpen(surface, obstacles, 1.2 * radius, SURFACE_GAP * radius, threads);
+    if (code == EXIT_GOOD) code = surface_sharpen(surface, obstacles, rounding, gap, threads);
     if (code == EXIT_GOOD) surface_attach(surface, &field, obstacles, 0.0, threads);
     if (code == EXIT_GOOD) code = surface_make_normals(surface, &field, threads);
     colour_field_free(&field);

@@ -44,7 +44,7 @@ static void sharpen_vertex(const struct sharpening *s, int v) {
     double x[3], way[3], wall[3];
     for (int a = 0; a < 3; a++) x[a] = (double)at[a], way[a] = (double)normal[a];
     for (int k = 0; k < WALLS && move_to_wall(s, x, way, wall); k++) {
-        s->surface->attached[v] = true;
+        s->surface->walls[v]++;
         vec3_add(way, -vec3_dot(way, wall), wall);
         double length = vec3_length(way);
         if (length < 0.3) break;
@@ -66,25 +66,31 @@ static void mark_line(const struct surface *surface, bool *line) {
     for (int t = 0; t < surface->triangles; t++) {
         const int *v = surface->triangle + 3 * (size_t)t;
         int attached = 0;
-        for (int c = 0; c < 3; c++) attached += surface->attached[v[c]];
-        for (int c = 0; c < 3 && attached < 3; c++) line[v[c]] |= surface->attached[v[c]];
+        for (int c = 0; c < 3; c++) attached += surface->walls[v[c]] > 0;
+        for (int c = 0; c < 3 && attached < 3; c++) line[v[c]] |= surface->walls[v[c]] > 0;
     }
 }
 
+/* Vertices at two walls stay: smoothing would round the corner of the line there. */
 static int smooth_lines(struct surface *surface, int threads) {
-    bool *line = calloc((size_t)surface->vertices + 1, sizeof *line);
-    if (!line) return report_no_memory();
-    mark_line(surface, line);
-    int code = surface_smooth_line(surface, line, PASSES, threads);
-    free(line);
+    size_t n = (size_t)surface->vertices + 1;
+    bool *line = calloc(n, sizeof *line);
+    float *mobility = malloc(n * sizeof *mobility);
+    int code = line && mobility ? EXIT_GOOD : report_no_memory();
+    if (code == EXIT_GOOD) {
+        mark_line(surface, line);
+        for (int v = 0; v < surface->vertices; v++) mobility[v] = surface->walls[v] < 2;
+        code = surface_smooth_line(surface, line, mobility, PASSES, threads);
+    }
+    free(line), free(mobility);
     return code;
 }
 
 int surface_sharpen(struct surface *surface, const struct obstacles *obstacles, double reach,
                     double gap, int threads) {
     struct sharpening s = {surface, obstacles, reach, gap};
-    surface->attached = calloc((size_t)surface->vertices + 1, sizeof *surface->attached);
-    if (!surface->attached) return report_no_memory();
+    surface->walls = calloc((size_t)surface->vertices + 1, sizeof *surface->walls);
+    if (!surface->walls) return report_no_memory();
     parallel_for(threads, surface->vertices, GRAIN, sharpen_vertices, &s);
     return smooth_lines(surface, threads);
 }

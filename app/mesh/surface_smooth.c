@@ -41,7 +41,7 @@ static void fill_ring(const struct surface *surface, struct ring *ring) {
 
 struct half_pass {
     const struct ring *ring;
-    const float *from, *mobility; /* mobility: NULL: 1 */
+    const float *from, *mobility;
     float *to;
     double factor;
 };
@@ -62,7 +62,7 @@ static void move_vertex(const struct half_pass *pass, int v, double factor) {
 static void run_half_pass(void *self, int first, int last) {
     const struct half_pass *pass = self;
     for (int v = first; v < last; v++) {
-        double mobility = pass->mobility ? (double)pass->mobility[v] : 1.0;
+        double mobility = (double)pass->mobility[v];
         bool moves = mobility > 0.0 && pass->ring->first[v + 1] - pass->ring->first[v] > 1;
         if (moves) move_vertex(pass, v, mobility * pass->factor);
         else memcpy(pass->to + 3 * (size_t)v, pass->from + 3 * (size_t)v, 3 * sizeof(float));
@@ -91,6 +91,7 @@ int surface_smooth(struct surface *surface, int passes, int threads) {
     return smooth(surface, NULL, surface->mobility, passes, threads);
 }
 
-int surface_smooth_line(struct surface *surface, const bool *line, int passes, int threads) {
-    return smooth(surface, line, NULL, passes, threads);
+int surface_smooth_line(struct surface *surface, const bool *line, const float *mobility,
+                        int passes, int threads) {
+    return smooth(surface, line, mobility, passes, threads);
 }

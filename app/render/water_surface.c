@@ -43,7 +43,7 @@ static int send_surface(struct browser *browser, int body, const struct surface 
 /* Vertices at obstacles get no normal: the page takes that of the triangle. */
 static void flatten(struct surface *surface) {
     for (int v = 0; v < surface->vertices; v++)
-        for (int a = 0; a < 3 && surface->attached[v]; a++)
+        for (int a = 0; a < 3 && surface->walls[v]; a++)
             surface->normal[3 * (size_t)v + (size_t)a] = 0.0f;
 }
 
