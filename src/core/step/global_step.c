@@ -48,8 +48,8 @@ struct round {
     double *Hd; /* residual of the linear solve; then H d */
 };
 
-/* Moves along round->d to the minimum of the model. b becomes its residual there. */
-static void search_line(struct pdyn_sim *sim, const struct round *at) {
+/* Moves along d to the minimum of the model. b becomes its residual there. */
+static void move_to_minimum(struct pdyn_sim *sim, const struct round *at) {
     struct objective *objective = &sim->objective;
     for (int k = 0; k < 3 * objective->particles; k++) at->Hd[k] = at->b[k] - at->Hd[k];
     double descent = objective_dot(objective, at->b, at->d),
@@ -87,7 +87,7 @@ static pdyn_status solve_rounds(struct pdyn_sim *sim, const pdyn_stop *stop, int
             objective_axpy(objective, 1.0, at.d, sim->direction);
             return PDYN_OK;
         }
-        search_line(sim, &at);
+        move_to_minimum(sim, &at);
         size = objective_norm(objective, at.b);
     }
     return PDYN_OK;

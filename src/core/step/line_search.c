@@ -5,12 +5,12 @@
 #include <math.h>
 #include <string.h>
 
-struct rule {      /* conditions under which a step along the direction is accepted */
-    double bound;  /* J: the energy must be below it, */
-    double armijo; /* by this part of the slope (Armijo constant) */
-    double uphill; /* curvature constant: |slope after| <= uphill x |slope before| where the slope
-                      is positive; 0 disables. The last try need not satisfy it */
-    int tries;     /* backtracking steps at most */
+struct rule {         /* conditions under which a step along the direction is accepted */
+    double bound;     /* J: the energy must be below it, */
+    double armijo;    /* by this part of the slope (Armijo constant) */
+    double curvature; /* Wolfe constant: |slope after| <= curvature x |slope before| where the slope
+                         is positive; 0 disables. The last try need not satisfy it */
+    int tries;        /* backtracking steps at most */
 };
 
 /* Displacements of rigid bodies from x_next become those to rigid positions. */
@@ -57,10 +57,11 @@ static bool is_accepted(const struct rule *rule, const struct line_step *step, d
                         double slope, bool free, bool last) {
     bool falls = energy <= rule->bound + rule->armijo * fmin(slope, 0.0) +
                                energy_rounding * fabs(rule->bound);
-    bool flatter = rule->uphill > 0.0 && free && step->slope < 0.0 &&
-                   fabs(step->slope_after) <= -rule->uphill * step->slope;
+    bool flatter = rule->curvature > 0.0 && free && step->slope < 0.0 &&
+                   fabs(step->slope_after) <= -rule->curvature * step->slope;
     if (!falls) return flatter && energy <= rule->bound + energy_uncertainty * fabs(rule->bound);
-    return last || !free || rule->uphill == 0.0 || step->slope_after <= -rule->uphill * step->slope;
+    return last || !free || rule->curvature == 0.0 ||
+           step->slope_after <= -rule->curvature * step->slope;
 }
 
 /* Length to which a step is lengthened at most, in directions; 3 and 6 differ by 5 %. */
@@ -93,10 +94,10 @@ static pdyn_status lengthen(struct pdyn_sim *sim, double *energy, struct line_st
     return PDYN_OK;
 }
 
-/* Backtracking: x_next + direction, halved until the rule accepts it. In contact every point goes
- * as far as its path is free; a shorter direction stops fewer of them. */
-static pdyn_status search_line(struct pdyn_sim *sim, const struct rule *rule, double *energy,
-                               struct line_step *step) {
+/* Takes x_next + direction, halved until the rule accepts it. In contact every point goes as far as
+ * its path is free; a shorter direction stops fewer of them. */
+static pdyn_status backtrack(struct pdyn_sim *sim, const struct rule *rule, double *energy,
+                             struct line_step *step) {
     struct objective *objective = &sim->objective;
     double trial, least = objective->contact || sim->max_step ? 0.0 : 1.0;
     *step = (struct line_step){.length = 1.0,
@@ -123,9 +124,9 @@ static pdyn_status search_line(struct pdyn_sim *sim, const struct rule *rule, do
 static pdyn_status descend(struct pdyn_sim *sim, double highest, double *energy,
                            struct line_step *step) {
     struct rule rule = {
-        .bound = *energy, .armijo = armijo_part, .uphill = wolfe_part, .tries = BACKTRACKS};
-    if (sim->solver->dual) rule.bound = highest, rule.armijo = rule.uphill = 0.0;
-    pdyn_status status = search_line(sim, &rule, energy, step);
+        .bound = *energy, .armijo = armijo_part, .curvature = wolfe_part, .tries = BACKTRACKS};
+    if (sim->solver->dual) rule.bound = highest, rule.armijo = rule.curvature = 0.0;
+    pdyn_status status = backtrack(sim, &rule, energy, step);
     if (status != PDYN_OK) return status;
     if (step->length == 0.0)
         return objective_local(&sim->objective, sim->x_next, energy, sim->gradient);
@@ -141,7 +142,7 @@ pdyn_status line_search(struct pdyn_sim *sim, double highest, double *energy,
     pdyn_status status = PDYN_OK;
     if (!acceleration_propose(a, sim->x_next, sim->direction))
         return descend(sim, highest, energy, step);
-    status = search_line(sim, &(struct rule){.bound = *energy, .tries = 1}, energy, step);
+    status = backtrack(sim, &(struct rule){.bound = *energy, .tries = 1}, energy, step);
     if (status != PDYN_OK || step->length > 0.0) return status;
     acceleration_start(a);
     memcpy(sim->direction, a->plain, objective_bytes(&sim->objective));
