@@ -92,12 +92,12 @@ static void test_speed(void **state) {
     for (double t = 0.1; t < 5.0; t += 0.1) {
         if (fabs(t - round(t)) < 0.01) continue; /* the speed is discontinuous at a key */
         double expected = measured_speed(sim, before, t);
-        assert_true(fabs(kinematic_speed(&sim->motion, t, t + 1e-9) - expected) <
+        assert_true(fabs(kinematic_speed(&sim->kinematic, t, t + 1e-9) - expected) <
                     1e-5 * (1.0 + expected));
     }
-    assert_true(kinematic_speed(&sim->motion, 0.0, 1.0) == 0.0);
-    assert_true(kinematic_speed(&sim->motion, 0.0, 1.001) > 10.0); /* the next key counts */
-    assert_true(kinematic_speed(&sim->motion, 2.999, 3.1) > 10.0); /* so does the current one */
+    assert_true(kinematic_speed(&sim->kinematic, 0.0, 1.0) == 0.0);
+    assert_true(kinematic_speed(&sim->kinematic, 0.0, 1.001) > 10.0); /* the next key counts */
+    assert_true(kinematic_speed(&sim->kinematic, 2.999, 3.1) > 10.0); /* so does the current one */
     free(before);
     pdyn_free(sim);
     pdyn_destroy(context);

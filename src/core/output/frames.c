@@ -13,7 +13,7 @@ static struct part part_of_frame(const pdyn_writer *writer, int part) {
     const pdyn_sim *sim = writer->sim;
     int solid = part - sim->bodies - 1;
     if (part < sim->bodies) return (struct part){"", pdyn_get_body(sim, part).name, part, -1};
-    if (solid < 0) return (struct part){"", sim->motion.points ? BOUNDARY : NULL, -1, -1};
+    if (solid < 0) return (struct part){"", sim->kinematic.points ? BOUNDARY : NULL, -1, -1};
     const struct scene_solid *s = &sim->scene.solid[solid];
     return (struct part){SOLIDS_FOLDER, s->motion.keys ? s->name : NULL, -1, solid};
 }

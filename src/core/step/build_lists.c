@@ -52,7 +52,7 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
                                        .centre = centre,
                                        .boundary = sim->boundary.at.count,
                                        .boundary_x = sim->boundary.at.x,
-                                       .moving = sim->motion.points,
+                                       .moving = sim->kinematic.points,
                                        .volume = volume,
                                        .support = support,
                                        .is_wall = is_wall,
@@ -108,5 +108,5 @@ void lists_free(struct pdyn_sim *sim) {
     samples_free(sim->objective.samples);
     occlusion_free(sim->occlusion);
     boundary_points_free(sim->context, &sim->boundary);
-    kinematic_free(sim->context, &sim->motion);
+    kinematic_free(sim->context, &sim->kinematic);
 }

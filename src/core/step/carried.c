@@ -15,13 +15,13 @@ enum { GRAIN = 512 }; /* particles per parallel block */
 static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
     const struct array_entry table[] = {
         ARRAY(sim->carried->x, VECTOR_LENGTH(sim->objective.particles)),
-        ARRAY(sim->carried->before, 3 * (size_t)sim->motion.points),
+        ARRAY(sim->carried->before, 3 * (size_t)sim->kinematic.points),
     };
     return context_arrays(sim->context, table, ARRAY_ROWS(table), action);
 }
 
 pdyn_status carried_create(struct pdyn_sim *sim) {
-    if (!sim->max_step || !sim->motion.points) return PDYN_OK;
+    if (!sim->max_step || !sim->kinematic.points) return PDYN_OK;
     sim->carried = NEW_ARRAY(sim->context, 1, struct carried);
     return sim->carried && resize_arrays(sim, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
 }
@@ -40,7 +40,7 @@ const double *carried_x(const struct pdyn_sim *sim) {
 
 /* Boundary points from this one on move. */
 static int first_moving(const struct pdyn_sim *sim) {
-    return sim->boundary.at.count - sim->motion.points;
+    return sim->boundary.at.count - sim->kinematic.points;
 }
 
 struct call {
@@ -100,7 +100,7 @@ pdyn_status carried_move(struct pdyn_sim *sim) {
     pdyn_status status = objective_ensure_lists(&sim->objective, sim->x, &extended);
     if (status != PDYN_OK) return status;
     const double *moving = sim->boundary.at.x + 3 * (size_t)first_moving(sim);
-    memcpy(c->before, moving, 3 * (size_t)sim->motion.points * sizeof *moving);
+    memcpy(c->before, moving, 3 * (size_t)sim->kinematic.points * sizeof *moving);
     memcpy(c->x, sim->x, objective_bytes(&sim->objective));
     kinematic_move(sim, sim->objective.time);
     carry_all(sim);

@@ -13,44 +13,44 @@
 /* ---- points ---------------------------------------------------------------------------------- */
 
 static pdyn_status allocate_solids(struct pdyn_sim *sim) {
-    struct kinematic_solids *motion = &sim->motion;
-    if (motion->solid) return PDYN_OK;
-    motion->solid = NEW_ARRAY(sim->context, sim->scene.solids, struct moving_solid);
-    if (!motion->solid) return PDYN_NO_MEMORY;
-    motion->capacity = sim->scene.solids;
+    struct kinematic_solids *moving = &sim->kinematic;
+    if (moving->solid) return PDYN_OK;
+    moving->solid = NEW_ARRAY(sim->context, sim->scene.solids, struct moving_solid);
+    if (!moving->solid) return PDYN_NO_MEMORY;
+    moving->capacity = sim->scene.solids;
     return PDYN_OK;
 }
 
 pdyn_status kinematic_add(struct pdyn_sim *sim, const struct scene_solid *solid, int first) {
-    struct kinematic_solids *motion = &sim->motion;
+    struct kinematic_solids *moving = &sim->kinematic;
     struct moving_solid m = {solid, first, sim->boundary.at.count - first, {{0}, {0}}};
     pdyn_status status = allocate_solids(sim);
     for (int i = first; i < sim->boundary.at.count && status == PDYN_OK; i++) {
         double from_pivot[3];
         vec3_subtract(from_pivot, sim->boundary.at.x + 3 * (size_t)i, solid->motion.pivot);
-        status = point_list_add(sim->context, &motion->placed, from_pivot);
+        status = point_list_add(sim->context, &moving->placed, from_pivot);
     }
     if (status != PDYN_OK) return status;
-    if (m.count) m.box = box_around(motion->placed.x + 3 * (size_t)motion->points, m.count);
-    motion->solid[motion->solids++] = m;
-    motion->points = motion->placed.count;
+    if (m.count) m.box = box_around(moving->placed.x + 3 * (size_t)moving->points, m.count);
+    moving->solid[moving->solids++] = m;
+    moving->points = moving->placed.count;
     return PDYN_OK;
 }
 
-void kinematic_free(pdyn_context *context, struct kinematic_solids *motion) {
-    FREE_ARRAY(context, motion->solid, motion->capacity);
-    point_list_free(context, &motion->placed);
+void kinematic_free(pdyn_context *context, struct kinematic_solids *moving) {
+    FREE_ARRAY(context, moving->solid, moving->capacity);
+    point_list_free(context, &moving->placed);
 }
 
 /* ---- motion ---------------------------------------------------------------------------------- */
 
 void kinematic_move(struct pdyn_sim *sim, double time) {
-    const struct kinematic_solids *motion = &sim->motion;
-    int resting = sim->boundary.at.count - motion->points;
-    if (!motion->points) return;
-    for (int k = 0; k < motion->solids; k++) {
-        const struct moving_solid *m = &motion->solid[k];
-        pose_place(&m->solid->motion, motion->placed.x + 3 * (size_t)(m->first - resting), m->count,
+    const struct kinematic_solids *moving = &sim->kinematic;
+    int resting = sim->boundary.at.count - moving->points;
+    if (!moving->points) return;
+    for (int k = 0; k < moving->solids; k++) {
+        const struct moving_solid *m = &moving->solid[k];
+        pose_place(&m->solid->motion, moving->placed.x + 3 * (size_t)(m->first - resting), m->count,
                    time, sim->boundary.at.x + 3 * (size_t)m->first);
     }
     if (sim->objective.neighbours)
@@ -60,10 +60,10 @@ void kinematic_move(struct pdyn_sim *sim, double time) {
 
 /* ---- speed ----------------------------------------------------------------------------------- */
 
-double kinematic_speed(const struct kinematic_solids *motion, double from, double to) {
+double kinematic_speed(const struct kinematic_solids *moving, double from, double to) {
     double speed = 0.0;
-    for (int k = 0; k < motion->solids; k++)
-        speed = fmax(speed, pose_top_speed(&motion->solid[k].solid->motion, &motion->solid[k].box,
+    for (int k = 0; k < moving->solids; k++)
+        speed = fmax(speed, pose_top_speed(&moving->solid[k].solid->motion, &moving->solid[k].box,
                                            from, to));
     return speed;
 }

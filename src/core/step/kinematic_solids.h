@@ -24,7 +24,7 @@ struct kinematic_solids { /* empty if no solid moves */
 
 /* Registers the boundary points from index `first` on as those of a moving solid. */
 pdyn_status kinematic_add(struct pdyn_sim *sim, const struct scene_solid *solid, int first);
-void kinematic_free(pdyn_context *context, struct kinematic_solids *motion);
+void kinematic_free(pdyn_context *context, struct kinematic_solids *moving);
 
 /* Moves the boundary points to their positions at `time`, s, and informs the neighbour lists. */
 void kinematic_move(struct pdyn_sim *sim, double time);
@@ -34,7 +34,7 @@ void kinematic_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
 
 /* Upper bound of the speed of a point between two times, s: m/s. It is the speed of the corners of
  * the bounding boxes, which is slightly too large. */
-double kinematic_speed(const struct kinematic_solids *motion, double from, double to);
+double kinematic_speed(const struct kinematic_solids *moving, double from, double to);
 
 /* The same of all solids of the scene from its start to its end, by their meshes. Solids have no
  * boundary points in a scene without fluid. */

@@ -80,13 +80,13 @@ struct pdyn_sim {
 
     /* Bodies and solids. */
     int bodies;
-    pdyn_body *body;                 /* bodies as modules see them */
-    struct topology *topology;       /* bodies; empty for bodies of particles */
-    double *rest;                    /* particles x 3, m: rest positions */
-    struct live_particles *live;     /* NULL: all particles are live */
-    struct boundary_points boundary; /* boundary points on solids */
-    struct kinematic_solids motion;  /* motion of the last boundary points */
-    struct carried *carried;         /* beside moving solids; NULL: nothing is carried */
+    pdyn_body *body;                   /* bodies as modules see them */
+    struct topology *topology;         /* bodies; empty for bodies of particles */
+    double *rest;                      /* particles x 3, m: rest positions */
+    struct live_particles *live;       /* NULL: all particles are live */
+    struct boundary_points boundary;   /* boundary points on solids */
+    struct kinematic_solids kinematic; /* the solids that move, with the last boundary points */
+    struct carried *carried;           /* beside moving solids; NULL: nothing is carried */
     struct occlusion
         *occlusion;         /* surfaces with samples, which hide fluid particles from each other */
     pdyn_services services; /* functions that operators may call */

@@ -55,12 +55,12 @@ static pdyn_status published_volumes(struct pdyn_sim *sim, int first, int count,
 /* Computes the volumes 1 / sum W: of all solids at rest together, and of each moving solid alone,
  * so that they do not change with the motion. */
 static pdyn_status compute_published_volumes(struct pdyn_sim *sim, double spacing, double *volume) {
-    const struct kinematic_solids *motion = &sim->motion;
-    int resting = sim->boundary.at.count - motion->points;
+    const struct kinematic_solids *moving = &sim->kinematic;
+    int resting = sim->boundary.at.count - moving->points;
     pdyn_status status = published_volumes(sim, 0, resting, spacing, volume);
-    for (int k = 0; k < motion->solids && status == PDYN_OK; k++)
+    for (int k = 0; k < moving->solids && status == PDYN_OK; k++)
         status =
-            published_volumes(sim, motion->solid[k].first, motion->solid[k].count, spacing, volume);
+            published_volumes(sim, moving->solid[k].first, moving->solid[k].count, spacing, volume);
     return status;
 }
 

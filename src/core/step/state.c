@@ -46,7 +46,7 @@ static pdyn_state get_state(const pdyn_sim *sim) {
                         .pressure = sim->pressure,
                         .live = sim->live ? sim->live->live : NULL,
                         .boundary = sim->boundary.at.count,
-                        .moving = sim->motion.points,
+                        .moving = sim->kinematic.points,
                         .boundary_x = sim->boundary.at.x,
                         .bodies = sim->bodies,
                         .constraints = sim->constraints};
