@@ -111,14 +111,16 @@ static double same_length(const struct pdyn_sim *sim, double h) {
  * step: that frame is left out. */
 static const double least_rest = 1e-3;
 
+double timestep_count(double time, double h) { return fmax(1.0, ceil(time / h * (1.0 - 1e-9))); }
+
 /* Divides the time to the next frame into equal steps, which avoids a tiny last step. */
 struct step_end timestep_choose(const struct pdyn_sim *sim, double longest) {
     const struct scene_settings *settings = &sim->scene.settings;
     double h = fmin(longest, settings->h_fixed > 0.0 ? settings->h_fixed : adaptive(sim));
     double frame = (double)(sim->frame + 1) * settings->frame_interval;
     if (frame - sim->time < least_rest * h) frame += settings->frame_interval;
-    double rest = frame - sim->time, steps = ceil(rest / h * (1.0 - 1e-9));
-    h = same_length(sim, rest / fmax(1.0, steps));
+    double rest = frame - sim->time, steps = timestep_count(rest, h);
+    h = same_length(sim, rest / steps);
     return (struct step_end){h, steps <= 1.0 ? frame : sim->time + h, steps <= 1.0, false};
 }
 

@@ -11,6 +11,9 @@ struct step_end {   /* end of the coming step */
     bool given;     /* the caller gave the length, so the step may pass a frame */
 };
 
+/* The number of equal steps of at most h that make up a time, s. */
+double timestep_count(double time, double h);
+
 /* Chooses the next step, at most `longest`, s; INFINITY: the scene decides. */
 struct step_end timestep_choose(const struct pdyn_sim *sim, double longest);
 

@@ -1,6 +1,7 @@
 /* Warnings about a scene: values that are legal but surely not meant. */
 #include "geometry/mesh_query.h"
 #include "sim.h"
+#include "timestep.h"
 #include "warn.h"
 
 #include "projdyn/kernel.h"
@@ -204,13 +205,19 @@ static void check_overlap(struct pdyn_sim *sim, int b) {
          body->overlapping, count);
 }
 
+/* A fixed step that is shortened by a larger part is told. */
+static const double max_shortened = 1e-3;
+
 static void check_frames(struct pdyn_sim *sim) {
     const struct scene_settings *settings = &sim->scene.settings;
-    if (settings->h_fixed > (1.0 + 1e-9) * settings->frame_interval)
-        WARN(sim, FRAMES, "",
-             "the fixed step of %g s is longer than the frame interval of %g s: steps end at "
-             "frames and are shorter",
-             settings->h_fixed, settings->frame_interval);
+    double fixed = settings->h_fixed, frame = settings->frame_interval;
+    double steps = fixed > 0.0 ? timestep_count(frame, fixed) : 1.0, h = frame / steps;
+    if (fixed > 0.0 && fabs(h - fixed) > max_shortened * fixed)
+        WARN(
+            sim, FRAMES, "",
+            "steps have %g s, not the fixed %g s, because they end at frames, every %g s; with the "
+            "\"frame_interval\" %.9g they fit",
+            h, fixed, frame, steps * fixed);
     if (settings->duration < (1.0 - 1e-9) * settings->frame_interval)
         WARN(sim, FRAMES, "", "the duration of %g s is shorter than the frame interval of %g s",
              settings->duration, settings->frame_interval);
