@@ -62,6 +62,33 @@ static void test_plate(void **state) {
     pdyn_destroy(context);
 }
 
+/* The points of a plane are a lattice that reaches its corners; their areas sum to that of it. */
+static void test_plane(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, SCENE("'duration': 1",
+                       FLUID_BOX("'name': 'water', ", "0.02", "0, 0, 0", "0.2, 0.2, 0.2", ""),
+                       ", 'solids': [{'plane': {'center': [0, -1, 0], 'normal': [0, 2, 0], "
+                       "'size': 2}}]"));
+    int side = (int)ceil(2.0 / (0.8 * 0.43 * 0.04)) + 1;
+    const struct boundary_points *points = &sim->boundary;
+    struct box box = box_around(points->at.x, points->at.count);
+    double area = 0.0;
+    assert_int_equal(points->at.count, side * side);
+    for (int k = 0; k < points->at.count; k++) {
+        area += points->point[k].area;
+        for (int a = 0; a < 3; a++) assert_true(points->point[k].normal[a] == (a == 1));
+    }
+    assert_true(fabs(area - 4.0) < 1e-9);
+    for (int a = 0; a < 3; a++) {
+        assert_true(fabs(box.min[a] + 1.0) < 1e-12);
+        assert_true(fabs(box.max[a] - (a == 1 ? -1.0 : 1.0)) < 1e-12);
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 #define PRESSED(more)                                                                              \
     SCENE("'duration': 1, 'time_step': {'maximum': 0.004}",                                        \
           FLUID_BOX("'name': 'water', 'velocity': [1, 0, 0.5], ", "0.02", "0, 0, 0",               \
@@ -136,9 +163,13 @@ static void test_outside(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_corner),  cmocka_unit_test(test_plate),
-        cmocka_unit_test(test_threads), cmocka_unit_test(test_failing_allocator),
-        cmocka_unit_test(test_block),   cmocka_unit_test(test_outside),
+        cmocka_unit_test(test_plane),
+        cmocka_unit_test(test_corner),
+        cmocka_unit_test(test_plate),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_block),
+        cmocka_unit_test(test_outside),
     };
     return cmocka_run_group_tests_name("walls", tests, test_enter_directory, test_leave_directory);
 }

@@ -25,6 +25,7 @@
     X(NEVER, "never")                                                                              \
     X(OUTLET, "outlet")                                                                            \
     X(MEMORY, "memory")                                                                            \
+    X(LARGE, "large")                                                                              \
     X(SEAMS, "seams")                                                                              \
     X(COINCIDENT, "coincident")                                                                    \
     X(OVERLAP, "overlap")                                                                          \

@@ -40,7 +40,8 @@ pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_spher
     return status;
 }
 
-/* ---- the faces of a box ---------------------------------------------------------------------- */
+/* ---- rectangles: faces of a box, and planes ---------------------------------------------------
+ */
 
 void boundary_points_free(pdyn_context *context, struct boundary_points *out) {
     FREE_ARRAY(context, out->point, out->capacity);
@@ -59,43 +60,94 @@ static pdyn_status append_boundary_point(pdyn_context *context, struct boundary_
     return point_list_add(context, &out->at, x);
 }
 
+/* A flat part of a surface. */
+struct rectangle {
+    double corner[3], along[2][3], length[2]; /* m, along: unit vectors of two sides */
+    double normal[3];                         /* unit vector */
+    bool of_box;
+};
+
+/* Refuses a surface that would take too much memory. */
+static pdyn_status check_points(pdyn_context *context, const char *name, const double length[2],
+                                double spacing, double count) {
+    if (count <= RECTANGLE_POINTS) return PDYN_OK;
+    return context_fail(
+        context, PDYN_BAD_INPUT,
+        "a side of \"%s\" has %.3g m^2, too many for points %g m apart (%.3g points, "
+        "at most %d): make it no larger than fluid reaches, or the particles larger",
+        name, length[0] * length[1], spacing, count, RECTANGLE_POINTS);
+}
+
+/* Covers a rectangle with a lattice of points, on its border as well. */
+static pdyn_status sample_rectangle(pdyn_context *context, const char *name,
+                                    const struct rectangle *r, double spacing,
+                                    struct boundary_points *out) {
+    double cuts[2], pitch[2];
+    for (int k = 0; k < 2; k++) {
+        cuts[k] = ceil(r->length[k] / spacing - 1e-9);
+        pitch[k] = r->length[k] / cuts[k];
+    }
+    pdyn_status status = check_points(context, name, r->length, spacing, cuts[0] * cuts[1]);
+    for (double i = 0; i <= cuts[0]; i++)
+        for (double j = 0; j <= cuts[1] && status == PDYN_OK; j++) {
+            double x[3], share = (i == 0 || i == cuts[0] ? 0.5 : 1.0);
+            if (j == 0 || j == cuts[1]) share *= 0.5;
+            struct boundary_point point = {.area = share * pitch[0] * pitch[1],
+                                           .of_box = r->of_box};
+            memcpy(point.normal, r->normal, sizeof point.normal);
+            memcpy(x, r->corner, sizeof x);
+            vec3_add(x, i * pitch[0], r->along[0]);
+            vec3_add(x, j * pitch[1], r->along[1]);
+            status = append_boundary_point(context, out, x, &point);
+        }
+    return status;
+}
+
 /* Samples the face across axis a, at the lower or upper end. */
-static pdyn_status sample_face(pdyn_context *context, const struct box *box, int a, bool upper,
-                               const struct face_grid *grid, struct boundary_points *out) {
-    double pitch[3], low[3], x[3];
-    long n[3] = {0};
-    for (int b = 0; b < 3; b++) {
+static pdyn_status sample_face(pdyn_context *context, const char *name, const struct box *box,
+                               int a, bool upper, const struct face_grid *grid,
+                               struct boundary_points *out) {
+    struct rectangle r = {.of_box = true};
+    for (int k = 0; k < 2; k++) {
+        int b = (a + 1 + k) % 3;
         /* past an edge only if the adjacent face is closed */
         double under = grid->open >> (2 * b) & 1u ? 0.0 : grid->beyond;
         double over = grid->open >> (2 * b + 1) & 1u ? 0.0 : grid->beyond;
-        double length = box->max[b] - box->min[b] + under + over;
-        double cuts = ceil(length / grid->spacing - 1e-9);
-        if (b == a) continue;
-        if (!(cuts < POINT_LIST_MAX)) return point_list_too_many(context);
-        n[b] = (long)cuts, pitch[b] = length / cuts, low[b] = box->min[b] - under;
+        r.along[k][b] = 1.0, r.corner[b] = box->min[b] - under;
+        r.length[k] = box->max[b] - box->min[b] + under + over;
     }
-    int b = (a + 1) % 3, c = (a + 2) % 3;
-    x[a] = upper ? box->max[a] + grid->outside : box->min[a] - grid->outside;
-    for (long i = 0; i <= n[b]; i++)
-        for (long j = 0; j <= n[c]; j++) {
-            double share = (i == 0 || i == n[b] ? 0.5 : 1.0) * (j == 0 || j == n[c] ? 0.5 : 1.0);
-            struct boundary_point point = {.area = share * pitch[b] * pitch[c], .of_box = true};
-            point.normal[a] = upper ? -1.0 : 1.0;
-            x[b] = low[b] + (double)i * pitch[b], x[c] = low[c] + (double)j * pitch[c];
-            pdyn_status status = append_boundary_point(context, out, x, &point);
-            if (status != PDYN_OK) return status;
-        }
-    return PDYN_OK;
+    r.corner[a] = upper ? box->max[a] + grid->outside : box->min[a] - grid->outside;
+    r.normal[a] = upper ? -1.0 : 1.0;
+    return sample_rectangle(context, name, &r, grid->spacing, out);
 }
 
-pdyn_status sample_box_surface(pdyn_context *context, const struct box *box,
+pdyn_status sample_box_surface(pdyn_context *context, const char *name, const struct box *box,
                                const struct face_grid *grid, struct boundary_points *out) {
     pdyn_status status = PDYN_OK;
     for (int side = 0; side < 6 && status == PDYN_OK; side++)
         if (!(grid->open >> side & 1u))
-            status = sample_face(context, box, side / 2, side % 2, grid, out);
+            status = sample_face(context, name, box, side / 2, side % 2, grid, out);
     return status;
 }
+
+/* Spacing of the lattice of a plane over that of a Poisson-disk set with about as many points. On a
+ * lattice of 1, a layer of particles that slides feels the rows. */
+static const double lattice_spacing = 0.8;
+
+pdyn_status sample_plane_surface(pdyn_context *context, const char *name, const struct mesh *mesh,
+                                 double spacing, struct boundary_points *out) {
+    struct rectangle r;
+    memcpy(r.corner, mesh->vertex, sizeof r.corner);
+    for (int k = 0; k < 2; k++) { /* the corners are in order around the plane */
+        vec3_subtract(r.along[k], mesh->vertex + (k ? 9 : 3), r.corner);
+        r.length[k] = vec3_normalise(r.along[k]);
+    }
+    r.of_box = false;
+    vec3_cross(r.normal, r.along[0], r.along[1]);
+    return sample_rectangle(context, name, &r, lattice_spacing * spacing, out);
+}
+
+/* ---- meshes ---------------------------------------------------------------------------------- */
 
 pdyn_status sample_mesh_surface(pdyn_context *context, const char *name, const struct mesh *mesh,
                                 double spacing, struct boundary_points *out) {

@@ -51,9 +51,17 @@ struct face_grid {  /* a grid of boundary points on the faces of a box */
     double beyond;  /* m, extension of the grid past an edge that two closed faces share */
 };
 
-/* Appends a regular grid of boundary points for every closed face of the box. */
-pdyn_status sample_box_surface(pdyn_context *context, const struct box *box,
+enum { RECTANGLE_POINTS = 20000000 }; /* of a face or a plane: 6 GB with the neighbour lists */
+
+/* Appends a regular grid of boundary points for every closed face of the box. name: of the solid,
+ * for messages. PDYN_BAD_INPUT: a face has more than RECTANGLE_POINTS. */
+pdyn_status sample_box_surface(pdyn_context *context, const char *name, const struct box *box,
                                const struct face_grid *grid, struct boundary_points *out);
+
+/* The same for the mesh of primitive_plane, with about as many points as sample_mesh_surface makes
+ * of this spacing, m, in a hundredth of its time. */
+pdyn_status sample_plane_surface(pdyn_context *context, const char *name, const struct mesh *mesh,
+                                 double spacing, struct boundary_points *out);
 
 struct surface_point { /* a point on a triangle */
     int triangle;

@@ -16,10 +16,10 @@ static pdyn_status sample_shape(struct pdyn_sim *sim, const struct scene_solid *
     double beyond = model->volumes ? model->outside : kernel->beyond;
     const struct face_grid grid = {solid->open, model->grid * spacing, outside * spacing,
                                    beyond * spacing};
-    if (!solid->is_vessel)
-        return sample_mesh_surface(sim->context, solid->name, &solid->mesh,
-                                   model->mesh_spacing * spacing, &sim->boundary);
-    return sample_box_surface(sim->context, &solid->box, &grid, &sim->boundary);
+    if (solid->is_vessel)
+        return sample_box_surface(sim->context, solid->name, &solid->box, &grid, &sim->boundary);
+    return (solid->kind == SOLID_PLANE ? sample_plane_surface : sample_mesh_surface)(
+        sim->context, solid->name, &solid->mesh, model->mesh_spacing * spacing, &sim->boundary);
 }
 
 /* Samples solid k of the scene. */

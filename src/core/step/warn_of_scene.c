@@ -273,6 +273,21 @@ void warn_of_memory(struct pdyn_sim *sim) {
              particles, particles * particle * 1e-9, machine * 1e-9);
 }
 
+/* Solids with so many boundary points, and more than the scene has particles, cost without use. */
+static const int max_points = 500000;
+/* Bytes of a boundary point with its place in the neighbour lists. */
+static const double point_memory = 290.0;
+
+static void check_points(struct pdyn_sim *sim, int solid) {
+    int count = 0;
+    for (int k = 0; k < sim->boundary.at.count; k++) count += sim->boundary.point[k].solid == solid;
+    if (count <= max_points || count <= sim->objective.particles) return;
+    WARN(sim, LARGE, sim->scene.solid[solid].name,
+         "its surface has %d boundary points, which take about %.2g GB; expected a solid no larger "
+         "than fluid reaches, or larger particles",
+         count, count * point_memory * 1e-9);
+}
+
 pdyn_status warn_of_scene(struct pdyn_sim *sim) {
     check_frames(sim);
     check_tolerance(sim);
@@ -283,6 +298,7 @@ pdyn_status warn_of_scene(struct pdyn_sim *sim) {
     check_contact(sim);
     warn_of_flow(sim);
     warn_of_water(sim);
+    for (int s = 0; s < sim->scene.solids; s++) check_points(sim, s);
     for (int b = 0; b < sim->bodies; b++) {
         check_constraints(sim, b);
         check_effect(sim, b);
