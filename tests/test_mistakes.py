@@ -98,6 +98,18 @@ MISTAKES = [
     Mistake("cloth without constraints", change(("bodies.1.constraints", [])), "[unconstrained]"),
     Mistake("rest density in g/cm^3", change(("bodies.0.particles.rest_density", 1)), "[density]"),
     Mistake("area density in g/m^2", change(("bodies.1.surface.area_density", 200)), "[density]"),
+    Mistake("gravity with a wrong sign", change(("gravity", [0, 9.81, 0]), *WATER_ONLY), "tank: gravity of (0, 9.81, 0) m/s^2 points out of its open side +y"),
+    Mistake("gravity in millimetres", change(("gravity", [0, -9810, 0]), ("duration", 0.02), *WATER_ONLY), '"gravity" of 9810 m/s^2 is unusual, expected 0 to 100 m/s^2'),
+    Mistake("friction in percent", change(("contact.friction", 30)), 'contact: "friction" of 30 is unusual, expected 0 to 10'),
+    Mistake("surface tension in mN/m", change(("bodies.0.constraints.1", {"type": "surface_tension", "tension": 72}), ("duration", 0.02), *WATER_ONLY),
+            'water: "tension" of 72 N/m is unusual', codes=(0, 0)),
+    Mistake("viscosity of pitch", change(("bodies.0.constraints.1", {"type": "viscosity", "viscosity": 1e8}), *WATER_ONLY), 'water: "viscosity" of 1e+08 Pa s is unusual'),
+    Mistake("air pressure in bar", change(("solids", []), ("bodies.0", None), ("bodies.0", {
+        "name": "bag", "surface": {"mesh": "huge.obj", "scale": 1e-4, "area_density": 0.2}, "constraints": [
+            {"type": "spring", "stretching_stiffness": 1000}, {"type": "gas", "outside": 1}]})), 'bag: "outside" of 1 Pa is unusual, expected 1000 to 1e+09 Pa'),
+    Mistake("a block softer than its weight", change(("bodies.0", None), ("bodies.0", {
+        "name": "soft", "volume": {"grid": {"size": [0.2, 0.2, 0.2], "cells": [2, 2, 2]}, "translate": [0, 0.11, 0], "density": 900},
+        "constraints": [{"type": "tet", "stiffness": 200}]})), "soft: a stiffness of 200 Pa is less than the pressure of its own weight"),
     Mistake("cloth in millimetres", change(("bodies.1.surface.grid.size", [1000, 1000]), ("solids", []), ("bodies.0", None)),
             "[scale]"),
     Mistake("a needle in a mesh of cloth", change(("bodies.0", None), ("bodies.0.surface", {"mesh": "needles.obj", "area_density": 0.2}),

@@ -13,6 +13,7 @@
     X(NO_EFFECT, "no-effect")                                                                      \
     X(NO_CONTACT, "no-contact")                                                                    \
     X(DENSITY, "density")                                                                          \
+    X(UNUSUAL, "unusual")                                                                          \
     X(SCALE, "scale")                                                                              \
     X(SLIVERS, "slivers")                                                                          \
     X(COARSE, "coarse")                                                                            \

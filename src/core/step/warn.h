@@ -20,10 +20,11 @@ struct pdyn_sim;
 void warn_of_memory(struct pdyn_sim *sim);
 /* Raises warnings about values that are legal but surely not meant. */
 pdyn_status warn_of_scene(struct pdyn_sim *sim);
-/* The same about meshes, about inlets, outlets and times, and about surfaces in a fluid: parts of
- * it. */
+/* The same about meshes, about inlets, outlets and times, about values in a wrong unit or with a
+ * wrong sign, and about surfaces in a fluid: parts of it. */
 void warn_of_meshes(struct pdyn_sim *sim);
 void warn_of_flow(struct pdyn_sim *sim);
+void warn_of_values(struct pdyn_sim *sim);
 void warn_of_water(struct pdyn_sim *sim);
 
 /* Warns of particles of a body that are too close to each other, from the neighbour lists. */

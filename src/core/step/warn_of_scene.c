@@ -297,6 +297,7 @@ pdyn_status warn_of_scene(struct pdyn_sim *sim) {
     check_all_stiffness(sim);
     check_contact(sim);
     warn_of_flow(sim);
+    warn_of_values(sim);
     warn_of_water(sim);
     for (int s = 0; s < sim->scene.solids; s++) check_points(sim, s);
     for (int b = 0; b < sim->bodies; b++) {

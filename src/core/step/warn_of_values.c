@@ -1,0 +1,106 @@
+/* Warnings about values outside of the range that occurs in practice: slips of units and signs. */
+#include "sim.h"
+#include "warn.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+struct usual {                  /* the range of a value */
+    const char *type, *name;    /* of the constraint and its parameter; NULL: of the scene */
+    double from, to;            /* 0 is usual as well */
+    const char *unit, *example; /* " Pa", or ""; known values, for comparison */
+};
+
+static const struct usual usual_gravity = {NULL,  "gravity", 0.0,
+                                           100.0, " m/s^2",  "on Earth it is 9.81 m/s^2"};
+static const struct usual usual_friction = {
+    NULL, "friction", 0.0, 10.0, "", "steel on steel has 0.2, rubber on concrete 1"};
+
+static const struct usual usual_parameters[] = {
+    {"surface_tension", "tension", 0.0, 1.0, " N/m", "water has 0.072 N/m, mercury 0.49 N/m"},
+    {"viscosity", "viscosity", 0.0, 1e4, " Pa s", "water has 0.001 Pa s, honey 10 Pa s"},
+    {"gas", "outside", 1e3, 1e9, " Pa", "air has 101325 Pa"},
+};
+
+static void check_value(struct pdyn_sim *sim, const char *subject, const struct usual *usual,
+                        double value) {
+    if (value == 0.0 || (value >= usual->from && value <= usual->to)) return;
+    WARN(sim, UNUSUAL, subject, "\"%s\" of %g%s is unusual, expected %g to %g%s: %s", usual->name,
+         value, usual->unit, usual->from, usual->to, usual->unit, usual->example);
+}
+
+static double value_of(const struct scene_constraint *c, const pdyn_param *p) {
+    return *(const double *)((const char *)c->params + p->offset);
+}
+
+/* The value of a parameter of the kind PDYN_REAL, at the first of its keys; 0: there is none. */
+static double parameter(const struct scene_constraint *c, const char *name) {
+    for (const pdyn_param *p = c->type->params; p->name; p++)
+        if (p->kind == PDYN_REAL && !strcmp(p->name, name)) return value_of(c, p);
+    return 0.0;
+}
+
+static void check_parameters(struct pdyn_sim *sim, const struct scene_body *body,
+                             const struct scene_constraint *c) {
+    for (size_t k = 0; k < sizeof usual_parameters / sizeof *usual_parameters; k++) {
+        const struct usual *usual = &usual_parameters[k];
+        if (!strcmp(c->type->name, usual->type))
+            check_value(sim, body->name, usual, parameter(c, usual->name));
+    }
+}
+
+/* ---- gravity and weight ---------------------------------------------------------------------- */
+
+/* Tanks that are open at the top, towards which gravity points: its sign is wrong. One that is open
+ * at the minimum of an axis, as a diving bell, is no slip. */
+static void check_sign(struct pdyn_sim *sim, const struct scene_solid *solid) {
+    const double *gravity = sim->scene.settings.gravity;
+    for (int a = 0; a < 3; a++) {
+        bool top = solid->open >> (2 * a + 1) & 1u, bottom = solid->open >> (2 * a) & 1u;
+        if (!solid->is_vessel || !top || bottom) continue;
+        if (gravity[a] > 0.5 * vec3_length(gravity))
+            WARN(sim, UNUSUAL, solid->name,
+                 "gravity of (%g, %g, %g) m/s^2 points out of its open side +%c; expected the "
+                 "other sign",
+                 gravity[0], gravity[1], gravity[2], "xyz"[a]);
+    }
+}
+
+/* A body that is softer than the pressure of its weight; only a fluid could carry it. */
+static void check_collapse(struct pdyn_sim *sim, int b, const struct scene_constraint *c) {
+    const struct scene_body *body = &sim->scene.body[b];
+    struct box box = warn_box(sim, &sim->body[b]);
+    double pressure = 0.0, stiffness = parameter(c, "stiffness") + parameter(c, "volume_stiffness");
+    for (int a = 0; a < 3; a++)
+        pressure +=
+            body->density * fabs(sim->scene.settings.gravity[a]) * (box.max[a] - box.min[a]);
+    if (stiffness > 0.0 && stiffness < pressure)
+        WARN(sim, UNUSUAL, body->name,
+             "a stiffness of %g Pa is less than the pressure of its own weight, %.3g Pa: it "
+             "cannot carry itself; gelatin has 1e4 Pa, rubber 1e6 Pa",
+             stiffness, pressure);
+}
+
+static bool has_fluid(const struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++)
+        if (sim->body[b].radius > 0.0) return true;
+    return false;
+}
+
+static void check_body(struct pdyn_sim *sim, int b) {
+    const struct scene_body *body = &sim->scene.body[b];
+    for (int k = 0; k < body->constraints; k++) {
+        const struct scene_constraint *c = &body->constraint[k];
+        check_parameters(sim, body, c);
+        if (!strcmp(c->type->name, "tet") && !has_fluid(sim)) check_collapse(sim, b, c);
+    }
+}
+
+void warn_of_values(struct pdyn_sim *sim) {
+    const struct scene *scene = &sim->scene;
+    check_value(sim, "", &usual_gravity, vec3_length(scene->settings.gravity));
+    if (scene->has_contact) check_value(sim, "contact", &usual_friction, scene->contact.friction);
+    for (int s = 0; s < scene->solids; s++) check_sign(sim, &scene->solid[s]);
+    for (int b = 0; b < sim->bodies; b++) check_body(sim, b);
+}
