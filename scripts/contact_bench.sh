@@ -1,16 +1,19 @@
 #!/bin/sh
-# Runs the contact scenes for ten seconds and the falling sheet at two sizes; writes
-# bench/contact.csv and the table of docs/results/contact.md. Takes some minutes.
+# Runs the contact scenes for ten seconds and the falling sheet at two sizes, and bodies with friction
+# (scripts/friction.py); writes bench/contact.csv and the tables of docs/results/contact.md. Takes
+# some minutes.
 set -eu
 cd "$(dirname "$0")/.."
 scripts/build.sh
-out=$(mktemp)
-trap 'rm -f "$out"' EXIT
-echo "run,vertices,steps,frames,intersections,elements,outer_iterations,residual_mean,residual_max,ms_contact,ms_rest,moved_mm" >"$out"
+scripts/install.sh python3-numpy
+out=out/contact
+csv=bench/contact.csv
+mkdir -p "$out"
+echo "run,vertices,steps,frames,intersections,elements,outer_iterations,residual_mean,residual_max,ms_contact,ms_rest,moved_mm" >"$csv"
 measure() {
     name=$1
     shift
-    echo "$name,$(build/bench/contact "$@" time_step.integrator=euler)" >>"$out"
+    echo "$name,$(build/bench/contact "$@" time_step.integrator=euler)" >>"$csv"
 }
 measure "cloth_on_sphere 10 s" scenes/cloth_on_sphere.json duration=10
 measure "cloth_on_mesh 10 s" scenes/cloth_on_mesh.json duration=10
@@ -25,6 +28,8 @@ measure "cloth_on_sphere 65^2 0.4 s" scenes/cloth_on_sphere.json duration=0.4 \
 measure "50 m/s 33^2 0.12 s" scenes/cloth_on_sphere.json duration=0.12 \
     bodies.sheet.velocity='[0, -50, 0]' bodies.sheet.surface.translate='[0.02, 0.8, 0.01]' \
     bodies.sheet.surface.grid.vertices='[33, 33]'
-cp "$out" bench/contact.csv
-awk -F, -f scripts/contact_table.awk bench/contact.csv docs/results/contact.md >"$out"
-cp "$out" docs/results/contact.md
+awk -F, -f scripts/contact_table.awk "$csv" >"$out/table.md"
+for table in incline landing; do
+    PYTHONPATH=python PROJDYN_LIBRARY=build/src/libprojdyn.so.0 /usr/bin/python3 -B scripts/friction.py $table >"$out/$table.md"
+done
+scripts/fill_tables.sh "$out" docs/results/contact.md docs/results/contact.md
