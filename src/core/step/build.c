@@ -4,6 +4,7 @@
 #include "carried.h"
 #include "contact/contact.h"
 #include "crossings.h"
+#include "extent.h"
 #include "live_particles.h"
 #include "objective/residual.h"
 #include "probes.h"
@@ -46,7 +47,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = crossings_create(sim);
     if (status == PDYN_OK) status = energy_budget_create(sim);
     if (status != PDYN_OK) return status;
-    sim->floor = warn_floor(sim);
+    sim->floor = extent_floor(sim);
     status = warn_of_scene(sim);
     if (status != PDYN_OK) return status;
     status =

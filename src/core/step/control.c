@@ -1,13 +1,13 @@
 #include "control.h"
 
 #include "crossings.h"
+#include "extent.h"
 #include "forces.h"
 #include "live_particles.h"
 #include "parameters.h"
 #include "rigid_fit.h"
 #include "schedule.h"
 #include "sim.h"
-#include "warn.h"
 
 #include "projdyn/control.h"
 #include "projdyn/vec3.h"
@@ -125,7 +125,7 @@ pdyn_status pdyn_add_forces(pdyn_sim *sim, int first, int count, const double *f
 void control_set_gravity(struct pdyn_sim *sim, const double gravity[3]) {
     memcpy(sim->scene.settings.gravity, gravity, sizeof sim->scene.settings.gravity);
     sim->control.gravity = fmax(sim->control.gravity, vec3_length(gravity));
-    sim->floor = warn_floor(sim);
+    sim->floor = extent_floor(sim);
 }
 
 pdyn_status pdyn_set_gravity(pdyn_sim *sim, const double gravity[3]) {

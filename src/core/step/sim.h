@@ -99,7 +99,7 @@ struct pdyn_sim {
     struct warning_list warnings;
     struct energy_budget energy;
     struct crossings *crossings; /* NULL: nothing can pass a surface */
-    double floor;                /* m: a particle below this height fell out of the scene */
+    double floor; /* m: a particle below this height fell out of the scene (extent.h) */
 };
 
 /* Whether the solver in use solves for the pressures of a fluid without other constraints. */

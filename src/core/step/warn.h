@@ -4,7 +4,6 @@
 
 #include "scene/scene.h"
 
-#include "projdyn/box.h"
 #include "projdyn/projdyn.h"
 
 struct pdyn_sim;
@@ -34,16 +33,6 @@ void warn_of_fills(struct pdyn_sim *sim, int body);
 double warn_mean_edge(const pdyn_body *body);
 /* Whether a pin, or an attachment to another body, holds the body. */
 bool warn_is_held(const struct scene_body *body);
-/* The bounding box of a body. */
-struct box warn_box(const struct pdyn_sim *sim, const pdyn_body *body);
-
-/* The bounding box of all solids and live particles. */
-struct box warn_extent(const struct pdyn_sim *sim);
-
-/* The height, m, against gravity, below which a particle fell out of the scene: it is as far below
- * everything that the scene has at the start as that is wide and high. */
-double warn_floor(const struct pdyn_sim *sim);
-
 /* Warns of particles in gaps without room for them. density_error_max: of the step. */
 void warn_of_gaps(struct pdyn_sim *sim, double density_error_max);
 

@@ -1,5 +1,6 @@
 /* Warnings about the scale of bodies and solids, and about meshes: thin triangles, coarse
  * tetrahedra, and edges beside the contact thickness. */
+#include "extent.h"
 #include "sim.h"
 #include "warn.h"
 
@@ -26,7 +27,7 @@ static double extent_of_solids(const struct pdyn_sim *sim) {
 
 static void check_scale(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
-    struct box box = warn_box(sim, body);
+    struct box box = extent_of_body(sim, body);
     double extent = box_extent(&box), times = extent / extent_of_solids(sim);
     if (body_is_particles(body)) return;
     if (extent < min_extent || extent > max_extent)

@@ -1,4 +1,5 @@
 /* Warnings about a scene: values that are legal but surely not meant. */
+#include "extent.h"
 #include "geometry/mesh_query.h"
 #include "sim.h"
 #include "timestep.h"
@@ -41,10 +42,6 @@ bool warn_is_held(const struct scene_body *body) {
         if (type->flags & PDYN_REACTION || ties_to_other(type)) return true;
     }
     return false;
-}
-
-struct box warn_box(const struct pdyn_sim *sim, const pdyn_body *body) {
-    return box_around(sim->x + 3 * (size_t)body->first, body->count);
 }
 
 /* ---- checks ---------------------------------------------------------------------------------- */
@@ -155,7 +152,7 @@ static pdyn_status check_places(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     pdyn_status status = PDYN_OK;
     if (body_is_particles(body)) return PDYN_OK;
-    struct box box = warn_box(sim, body);
+    struct box box = extent_of_body(sim, body);
     for (int k = 0; k < sim->bodies && status == PDYN_OK; k++) {
         const struct scene_body *other = &sim->scene.body[k];
         if (k != b && other->is_rigid)
@@ -237,7 +234,7 @@ static void check_tolerance(struct pdyn_sim *sim) {
 
 /* Probes at places that nothing will reach: often a place in millimetres. */
 static void check_probes(struct pdyn_sim *sim) {
-    struct box box = warn_extent(sim);
+    struct box box = extent_of_scene(sim);
     double extent = box_extent(&box);
     if (box.min[0] > box.max[0]) return; /* everything is to come from inlets */
     for (int a = 0; a < 3; a++) box.min[a] -= extent, box.max[a] += extent;

@@ -1,5 +1,6 @@
 /* Warnings about surfaces in a fluid: meshes that it does not see well, bodies that do not sink. */
 #include "base/registry.h"
+#include "extent.h"
 #include "live_particles.h"
 #include "sim.h"
 #include "warn.h"
@@ -30,7 +31,7 @@ static bool is_closed(const pdyn_body *body) { return 2 * body->edges == 3 * bod
 
 /* Whether no particle of the fluid is near it at the start. */
 static bool is_dry(const struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
-    struct box box = warn_box(sim, &sim->body[b]);
+    struct box box = extent_of_body(sim, &sim->body[b]);
     bool dry = true;
     for (int a = 0; a < 3; a++) box.min[a] -= fluid->radius, box.max[a] += fluid->radius;
     for (int i = fluid->first; i < fluid->first + fluid->count && dry; i++)
@@ -42,7 +43,7 @@ static bool is_dry(const struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
  */
 static bool is_drawn(const struct pdyn_sim *sim, int b, double spacing) {
     const struct scene_body *body = &sim->scene.body[b];
-    struct box box = warn_box(sim, &sim->body[b]);
+    struct box box = extent_of_body(sim, &sim->body[b]);
     bool drawn = false;
     for (int k = 0; k < body->constraints; k++) {
         const struct scene_constraint *c = &body->constraint[k];
@@ -60,7 +61,7 @@ static double excess_of(const struct pdyn_sim *sim, int b, double rest_density) 
     const struct scene_body *body = &sim->scene.body[b];
     double thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0;
     if (!(body->density > 0.0)) return body->area_density - rest_density * thickness;
-    struct box box = warn_box(sim, &sim->body[b]);
+    struct box box = extent_of_body(sim, &sim->body[b]);
     double shortest = INFINITY;
     for (int a = 0; a < 3; a++) shortest = fmin(shortest, box.max[a] - box.min[a]);
     return (body->density - rest_density) * shortest;

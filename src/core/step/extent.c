@@ -1,0 +1,31 @@
+#include "extent.h"
+
+#include "live_particles.h"
+
+#include "projdyn/vec3.h"
+
+struct box extent_of_body(const struct pdyn_sim *sim, const pdyn_body *body) {
+    return box_around(sim->x + 3 * (size_t)body->first, body->count);
+}
+
+struct box extent_of_scene(const struct pdyn_sim *sim) {
+    struct box box = box_empty;
+    for (int s = 0; s < sim->scene.solids; s++)
+        for (int i = 0; i < sim->scene.solid[s].mesh.vertices; i++)
+            box_add(&box, sim->scene.solid[s].mesh.vertex + 3 * (size_t)i);
+    for (int i = 0; i < sim->objective.particles; i++)
+        if (particle_is_live(sim, i)) box_add(&box, sim->x + 3 * (size_t)i);
+    return box;
+}
+
+double extent_floor(const struct pdyn_sim *sim) {
+    struct box box = extent_of_scene(sim);
+    const double *g = sim->scene.settings.gravity;
+    double height = INFINITY, length = fmax(vec3_length(g), 1e-300);
+    for (int k = 0; k < 8; k++) {
+        double corner[3];
+        for (int a = 0; a < 3; a++) corner[a] = k >> a & 1 ? box.max[a] : box.min[a];
+        height = fmin(height, -vec3_dot(g, corner) / length);
+    }
+    return height - vec3_distance(box.min, box.max);
+}
