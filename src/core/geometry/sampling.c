@@ -40,8 +40,7 @@ pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_spher
     return status;
 }
 
-/* ---- rectangles: faces of a box, and planes ---------------------------------------------------
- */
+/* ---- rectangles: faces of a box, planes ------------------------------------------------------ */
 
 void boundary_points_free(pdyn_context *context, struct boundary_points *out) {
     FREE_ARRAY(context, out->point, out->capacity);

@@ -1,4 +1,5 @@
 /* Warnings about values outside of the range that occurs in practice: slips of units and signs. */
+#include "extent.h"
 #include "sim.h"
 #include "warn.h"
 
@@ -70,7 +71,7 @@ static void check_sign(struct pdyn_sim *sim, const struct scene_solid *solid) {
 /* A body that is softer than the pressure of its weight; only a fluid could carry it. */
 static void check_collapse(struct pdyn_sim *sim, int b, const struct scene_constraint *c) {
     const struct scene_body *body = &sim->scene.body[b];
-    struct box box = warn_box(sim, &sim->body[b]);
+    struct box box = extent_of_body(sim, &sim->body[b]);
     double pressure = 0.0, stiffness = parameter(c, "stiffness") + parameter(c, "volume_stiffness");
     for (int a = 0; a < 3; a++)
         pressure +=
@@ -84,7 +85,7 @@ static void check_collapse(struct pdyn_sim *sim, int b, const struct scene_const
 
 static bool has_fluid(const struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++)
-        if (sim->body[b].radius > 0.0) return true;
+        if (body_is_particles(&sim->body[b])) return true;
     return false;
 }
 
