@@ -76,7 +76,7 @@ class Control(unittest.TestCase):
         page = pathlib.Path(os.environ["PROJDYN_SOURCE_ROOT"], "docs/guide/recipes.md").read_text()
         recipe = {}
         exec(re.search("## Animated character.*?```python\n(.*?)```", page, re.S)[1], recipe)
-        scene = projdyn.Scene(duration=0.1, threads=1, time_step={"fixed": 0.002})
+        scene = projdyn.Scene(duration=0.1, frame_interval=0.02, threads=1, time_step={"fixed": 0.002})
         with tempfile.TemporaryDirectory() as folder:
             mesh = pathlib.Path(folder, "square.obj")
             mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nf 1 3 2\nf 2 3 4\n")
