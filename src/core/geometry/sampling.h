@@ -59,7 +59,7 @@ pdyn_status sample_box_surface(pdyn_context *context, const char *name, const st
                                const struct face_grid *grid, struct boundary_points *out);
 
 /* The same for the mesh of primitive_plane, with about as many points as sample_mesh_surface makes
- * of this spacing, m, in a hundredth of its time. */
+ * of this spacing, m, in a fraction of its time. */
 pdyn_status sample_plane_surface(pdyn_context *context, const char *name, const struct mesh *mesh,
                                  double spacing, struct boundary_points *out);
 
