@@ -27,6 +27,11 @@ static inline int box_contains(const struct box *box, const double x[3]) {
     return inside;
 }
 
+/* Moves every face out by a distance, m. */
+static inline void box_grow(struct box *box, double distance) {
+    for (int a = 0; a < 3; a++) box->min[a] -= distance, box->max[a] += distance;
+}
+
 /* The longest side, m. */
 static inline double box_extent(const struct box *box) {
     double extent = 0.0;

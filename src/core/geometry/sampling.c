@@ -87,7 +87,7 @@ static pdyn_status sample_rectangle(pdyn_context *context, const char *name,
         pitch[k] = r->length[k] / cuts[k];
     }
     pdyn_status status = check_points(context, name, r->length, spacing, cuts[0] * cuts[1]);
-    for (double i = 0; i <= cuts[0]; i++)
+    for (double i = 0; i <= cuts[0] && status == PDYN_OK; i++)
         for (double j = 0; j <= cuts[1] && status == PDYN_OK; j++) {
             double x[3], share = (i == 0 || i == cuts[0] ? 0.5 : 1.0);
             if (j == 0 || j == cuts[1]) share *= 0.5;

@@ -30,7 +30,7 @@ struct cover {
     struct mesh_query query; /* of the solid at rest */
     double radius, plane;    /* m: of the particles; of the opening, along the flow at rest */
     double behind;           /* m: distance within which the walls of a vessel cover */
-    bool inside;             /* the solid covers what is inside of it */
+    bool inside;             /* particles inside of the solid are covered */
 };
 
 /* ---- places, in the coordinates of the solid at rest ----------------------------------------- */
@@ -102,13 +102,12 @@ static pdyn_status find_inside(pdyn_context *context, struct cover *c) {
 static bool is_near(const struct cover *c) {
     struct box layer = box_empty,
                solid = box_around(c->solid->mesh.vertex, c->solid->mesh.vertices);
-    double reach = OVERLAP_BEHIND_WALLS * c->radius;
     for (int k = 0; k < c->inlet->layer.count; k++) {
         double front[3];
         place_front(c, k, front);
         box_add(&layer, front);
     }
-    for (int a = 0; a < 3; a++) layer.min[a] -= reach, layer.max[a] += reach;
+    box_grow(&layer, OVERLAP_BEHIND_WALLS * c->radius);
     return box_overlaps(&layer, &solid);
 }
 

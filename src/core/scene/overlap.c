@@ -118,8 +118,7 @@ static pdyn_status resolve_flagged(const struct json_at *at, struct scene_body *
 static bool is_near(const struct scene_body *body, const struct obstacle *o) {
     struct box water = box_around(body->start.x, body->start.count);
     struct box obstacle = box_around(o->mesh.vertex, o->mesh.vertices);
-    double reach = body->radius * (o->vessel ? OVERLAP_BEHIND_WALLS : 1.0);
-    for (int a = 0; a < 3; a++) water.min[a] -= reach, water.max[a] += reach;
+    box_grow(&water, body->radius * (o->vessel ? OVERLAP_BEHIND_WALLS : 1.0));
     return box_overlaps(&water, &obstacle);
 }
 

@@ -205,16 +205,20 @@ static void check_overlap(struct pdyn_sim *sim, int b) {
 /* A fixed step that is shortened by a larger part is told. */
 static const double max_shortened = 1e-3;
 
-static void check_frames(struct pdyn_sim *sim) {
-    const struct scene_settings *settings = &sim->scene.settings;
-    double fixed = settings->h_fixed, frame = settings->frame_interval;
-    double steps = fixed > 0.0 ? timestep_count(frame, fixed) : 1.0, h = frame / steps;
-    if (fixed > 0.0 && fabs(h - fixed) > max_shortened * fixed)
+static void check_fixed(struct pdyn_sim *sim) {
+    double fixed = sim->scene.settings.h_fixed, frame = sim->scene.settings.frame_interval;
+    if (fixed == 0.0) return;
+    double steps = timestep_count(frame, fixed), h = frame / steps;
+    if (fabs(h - fixed) > max_shortened * fixed)
         WARN(
             sim, FRAMES, "",
             "steps have %g s, not the fixed %g s, because they end at frames, every %g s; with the "
             "\"frame_interval\" %.9g they fit",
             h, fixed, frame, steps * fixed);
+}
+
+static void check_duration(struct pdyn_sim *sim) {
+    const struct scene_settings *settings = &sim->scene.settings;
     if (settings->duration < (1.0 - 1e-9) * settings->frame_interval)
         WARN(sim, FRAMES, "", "the duration of %g s is shorter than the frame interval of %g s",
              settings->duration, settings->frame_interval);
@@ -235,9 +239,8 @@ static void check_tolerance(struct pdyn_sim *sim) {
 /* Probes at places that nothing will reach: often a place in millimetres. */
 static void check_probes(struct pdyn_sim *sim) {
     struct box box = extent_of_scene(sim);
-    double extent = box_extent(&box);
     if (box.min[0] > box.max[0]) return; /* everything is to come from inlets */
-    for (int a = 0; a < 3; a++) box.min[a] -= extent, box.max[a] += extent;
+    box_grow(&box, box_extent(&box));
     for (int p = 0; p < sim->scene.probes; p++) {
         const struct scene_probe *probe = &sim->scene.probe[p];
         for (int k = 0; k < probe->at.count; k++) {
@@ -277,6 +280,7 @@ static const double point_memory = 290.0;
 
 static void check_points(struct pdyn_sim *sim, int solid) {
     int count = 0;
+    if (sim->boundary.at.count <= max_points) return;
     for (int k = 0; k < sim->boundary.at.count; k++) count += sim->boundary.point[k].solid == solid;
     if (count <= max_points || count <= sim->objective.particles) return;
     WARN(sim, LARGE, sim->scene.solid[solid].name,
@@ -286,7 +290,8 @@ static void check_points(struct pdyn_sim *sim, int solid) {
 }
 
 pdyn_status warn_of_scene(struct pdyn_sim *sim) {
-    check_frames(sim);
+    check_fixed(sim);
+    check_duration(sim);
     check_tolerance(sim);
     check_probes(sim);
     warn_of_meshes(sim);

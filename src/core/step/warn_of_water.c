@@ -33,7 +33,7 @@ static bool is_closed(const pdyn_body *body) { return 2 * body->edges == 3 * bod
 static bool is_dry(const struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     struct box box = extent_of_body(sim, &sim->body[b]);
     bool dry = true;
-    for (int a = 0; a < 3; a++) box.min[a] -= fluid->radius, box.max[a] += fluid->radius;
+    box_grow(&box, fluid->radius);
     for (int i = fluid->first; i < fluid->first + fluid->count && dry; i++)
         dry = !particle_is_live(sim, i) || !box_contains(&box, sim->x + 3 * (size_t)i);
     return dry;
