@@ -27,7 +27,8 @@ COLUMNS = (
     "time_s,h_s,outer_iterations,linear_iterations,particles,density_error_mean,density_error_max,"
     "step_residual,kinetic_J,potential_J,constraint_J,momentum_x,momentum_y,momentum_z,"
     "pin_reaction_x_N,pin_reaction_y_N,pin_reaction_z_N,ms_neighbours,ms_local,ms_global,ms_contact,"
-    "retries,ms_cpu,impacts,leaked,residual_water,residual_sheet"
+    "retries,ms_cpu,impacts,leaked,residual_water,residual_sheet,"
+    "energy_water.fluid_J,energy_sheet.spring_J,energy_sheet.bending_J,energy_sheet.pin_J"
 ).split(",")
 REPORT = """version scene name threads particles.fluid particles.cloth particles.boundary
 particles.start particles.peak particles.end particles.emitted particles.removed bodies

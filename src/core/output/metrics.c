@@ -2,6 +2,7 @@
 #include "base/clock.h"
 #include "base/sized.h"
 #include "base/text.h"
+#include "step/probes.h"
 #include "writer.h"
 
 #include "projdyn/probe.h"
@@ -32,13 +33,54 @@ static pdyn_status write_row(pdyn_writer *writer, struct csv_file *file) {
 
 /* ---- metrics.csv ----------------------------------------------------------------------------- */
 
+/* Bytes for the numbers of a step, and for the name or the number of another column. */
+enum { STEP_BYTES = 1024, COLUMN_BYTES = NAME_LENGTH + 32 };
+
+static void begin_residuals(pdyn_writer *writer) {
+    for (int b = 0; b < writer->sim->bodies; b++)
+        text_append(writer->row, writer->row_size, ",residual_%s", writer->sim->body[b].name);
+}
+
+/* The number of constraints of the same type before this one on its body. */
+static int number_of_type(const pdyn_sim *sim, int constraint) {
+    const struct batch *const *batch = (const struct batch *const *)sim->objective.batch;
+    const struct batch *of = batch[constraint];
+    int number = 0;
+    for (int k = constraint - 1; k >= 0 && batch[k]->view.body == of->view.body; k--)
+        number += batch[k]->type == of->type;
+    return number;
+}
+
+/* energy_BODY.TYPE_J of the first constraint of a type on a body, energy_BODY.TYPE.1_J of the next:
+ * numbered as in Python. */
+static void begin_energies(pdyn_writer *writer) {
+    const struct objective *o = &writer->sim->objective;
+    for (int k = 0; k < writer->sim->constraints; k++) {
+        const struct batch *b = o->batch[k];
+        int number = number_of_type(writer->sim, k);
+        if (!type_stores_energy(b->type)) continue;
+        text_append(writer->row, writer->row_size, ",energy_%s.%s", b->view.body->name,
+                    b->type->name);
+        if (number) text_append(writer->row, writer->row_size, ".%d", number);
+        text_append(writer->row, writer->row_size, "_J");
+    }
+    if (o->barrier) append_text(writer, "energy_contact_J");
+}
+
+static void append_energies(pdyn_writer *writer) {
+    const struct objective *o = &writer->sim->objective;
+    for (int k = 0; k < writer->sim->constraints; k++)
+        if (type_stores_energy(o->batch[k]->type)) append_number(writer, o->batch[k]->energy);
+    if (o->barrier) append_number(writer, o->barrier->energy);
+}
+
 static pdyn_status begin_metrics(pdyn_writer *writer) {
 #define STEP_HEADER(column, member) "," #column
     static const char header[] = STEP_NUMBERS(STEP_HEADER);
 #undef STEP_HEADER
     append_text(writer, header + 1);
-    for (int b = 0; b < writer->sim->bodies; b++)
-        text_append(writer->row, writer->row_size, ",residual_%s", writer->sim->body[b].name);
+    begin_residuals(writer);
+    begin_energies(writer);
     return write_row(writer, &writer->metrics);
 }
 
@@ -48,6 +90,7 @@ static pdyn_status append_step(pdyn_writer *writer, const pdyn_step_info *info) 
     for (int k = 0; k < STEP_COLUMNS; k++) append_number(writer, number[k]);
     for (int b = 0; b < writer->sim->bodies; b++)
         append_number(writer, writer->sim->objective.body[b].residual);
+    append_energies(writer);
     return write_row(writer, &writer->metrics);
 }
 
@@ -70,6 +113,13 @@ static pdyn_status append_probes(pdyn_writer *writer, double time) {
 }
 
 /* ---- both ------------------------------------------------------------------------------------ */
+
+size_t metrics_row_size(const pdyn_sim *sim) {
+    size_t columns = (size_t)sim->bodies + (size_t)sim->constraints + 1, names = 0;
+    for (int k = 0; k < sim->constraints; k++) names += strlen(sim->objective.batch[k]->type->name);
+    return STEP_BYTES + COLUMN_BYTES * columns + names +
+           (sim->probes ? (size_t)PROBE_COLUMN * (size_t)sim->probes->values : 0);
+}
 
 pdyn_status metrics_open(pdyn_writer *writer) {
     const char *path = writer_path(writer, "%s", writer->metrics.name);

@@ -3,7 +3,6 @@
 
 #include "base/clock.h"
 #include "snapshot.h"
-#include "step/probes.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -214,8 +213,7 @@ static pdyn_status open_writer(pdyn_sim *sim, const char *directory, bool ply,
     writer->ply = ply;
     writer->lock = -1;
     writer->metrics.name = METRICS_FILE, writer->probes.name = PROBES_FILE;
-    writer->row_size = METRICS_ROW + METRICS_ROW_BODY * (size_t)sim->bodies +
-                       (sim->probes ? (size_t)PROBE_COLUMN * (size_t)sim->probes->values : 0);
+    writer->row_size = metrics_row_size(sim);
     writer->row = NEW_ARRAY(sim->context, writer->row_size, char);
     pdyn_status status = writer->row ? report_open(&writer->report, sim) : PDYN_NO_MEMORY;
     if (status == PDYN_OK) status = begin(writer, directory);

@@ -53,9 +53,8 @@ pdyn_status previous_run_remove_file(pdyn_writer *writer, const char *path);
 /* Lists the files of this run, for the next one. */
 pdyn_status previous_run_list(pdyn_writer *writer);
 
-/* Bytes of a row: for the numbers of a step, and for each body. */
-enum { METRICS_ROW = 1024, METRICS_ROW_BODY = 80 };
-
+/* Bytes of the longest row of metrics.csv and probes.csv, headers among them. */
+size_t metrics_row_size(const pdyn_sim *sim);
 /* Creates metrics.csv with its header, and so probes.csv in a scene with probes; otherwise removes
  * that of a previous run. */
 pdyn_status metrics_open(pdyn_writer *writer);

@@ -210,6 +210,10 @@ void batch_mark_selected(const struct batch *batch, bool *selected);
 static inline bool type_has_tangent(const pdyn_constraint_type *type) {
     return type->tangent || type->tangent_rank1 || type->flags & PDYN_NUMERIC_TANGENT;
 }
+/* Whether its energy is stored, not dissipated in the step. */
+static inline bool type_stores_energy(const pdyn_constraint_type *type) {
+    return !(type->flags & PDYN_LOSSY);
+}
 /* Rows tier: whether B is stored by blocks, because it is not w I. */
 static inline bool batch_has_blocks(const struct batch *b) {
     return b->eps < 1.0 && !b->linear && type_has_tangent(b->type);

@@ -71,7 +71,7 @@ static void add_energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
         vec3_add(info->momentum, objective->mass[i], v);
     }
     for (int b = 0; b < sim->constraints; b++)
-        if (!(objective->batch[b]->type->flags & PDYN_LOSSY))
+        if (type_stores_energy(objective->batch[b]->type))
             info->constraint_energy += objective->batch[b]->energy;
     for (int k = 1; k <= sim->control.batches; k++) /* holds: the last ones */
         info->constraint_energy += objective->batch[objective->batches - k]->energy;
