@@ -26,7 +26,9 @@ static void put_ratio(FILE *file, double numerator, double denominator) {
 /* columns: as find_columns() returns it */
 static void put_header(FILE *file, const struct parameter_grid *grid, json_t *columns) {
     for (int a = 0; a < grid->axes; a++) csv_write_text(file, grid->axis[a].path), fputc(',', file);
-    fputs("status,error,steps,simulated_s,wall_s,cpu_s,wall_s_per_s,cpu_s_per_s", file);
+    fputs("status,error,steps,simulated_s,wall_s,cpu_s,wall_s_per_s,cpu_s_per_s,"
+          "peak_memory_MB",
+          file);
     for (int k = 0; k < JOB_STATISTICS; k++) {
         const char *name;
         json_t *unused;
@@ -36,9 +38,9 @@ static void put_header(FILE *file, const struct parameter_grid *grid, json_t *co
     fputs(",state_hash,directory\n", file);
 }
 
-/* Columns steps to cpu_s_per_s. The times are sums over the time steps: loading the scene and
+/* Columns steps to peak_memory_MB. The times are sums over the time steps: loading the scene and
  * writing files are not included. */
-static void put_times(FILE *file, json_t *result) {
+static void put_costs(FILE *file, json_t *result) {
     json_t *report = json_object_get(result, "report"), *mean = json_object_get(result, "mean");
     static const char *const part[] = {"ms_neighbours", "ms_local", "ms_global", "ms_contact"};
     double steps = json_number_value(json_object_get(report, "steps")), wall = 0.0;
@@ -52,6 +54,7 @@ static void put_times(FILE *file, json_t *result) {
     put_ratio(file, cpu, 1.0);
     put_ratio(file, wall, simulated);
     put_ratio(file, cpu, simulated);
+    put_ratio(file, json_number_value(json_object_get(report, "peak_memory_bytes")), 1e6);
 }
 
 /* The row of a grid point. result: as job_result_read() returns it, or JSON null. */
@@ -64,7 +67,7 @@ static void put_row(FILE *file, const struct jobs *jobs, const struct parameter_
     csv_write_text(file, status ? status : "missing");
     fputc(',', file);
     csv_write_text(file, json_string_value(json_object_get(result, "error")));
-    put_times(file, result);
+    put_costs(file, result);
     for (int k = 0; k < JOB_STATISTICS; k++) {
         const char *name;
         json_t *unused, *own = json_object_get(result, job_statistics[k]);

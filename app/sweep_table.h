@@ -1,5 +1,5 @@
-/* OUTPUT/sweep.csv: one row per grid point of a sweep, with its parameters, status, times and
- * metrics. */
+/* OUTPUT/sweep.csv: one row per grid point of a sweep, with its parameters, status, times,
+ * memory and metrics. */
 #ifndef SWEEP_TABLE_H
 #define SWEEP_TABLE_H
 

@@ -109,6 +109,12 @@ probes_agree() { # the statistics of a run by itself
 check "runs with different probes" "$program" sweep probes.json -o probed \
     --set probes='[{"name": "hold", "pins": "sheet"}],[{"name": "all", "body": "sheet"}]'
 check "mean, maximum and impulse of a probe" probes_agree
+memory_agrees() { # with the report of the run
+    python3 -c 'import json, sys; print("%.9g" % (json.load(open(sys.argv[1]))["peak_memory_bytes"] / 1e6))' \
+        "probed/$(cell directory 0)/report.json" >expected
+    cell peak_memory_MB 0 | diff expected -
+}
+check "memory" memory_agrees
 check "impulse of a moment" test -n "$(cell impulse_all.moment_x_Nms 1)"
 check "an empty cell without the probe" test -z "$(cell mean_hold.force_y_N 1)$(cell impulse_all.force_y_Ns 0)"
 
