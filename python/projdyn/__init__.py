@@ -20,7 +20,7 @@ from .body import Body
 from .constraint import Constraint, Parameter
 from .errors import Error, InputError, StepError
 from .inlet import Inlet
-from .plots import plot
+from .plots import plot, plot_sweep
 from .probe import Probe
 from .rigid import Rigid
 from .scene import Scene, load
@@ -32,4 +32,4 @@ __version__ = version()
 
 __all__ = ["Body", "Constraint", "Error", "Inlet", "InputError", "Load", "Parameter", "Probe",
            "Rigid", "Scene", "Simulation", "Solid", "StepError", "StepInfo", "Warning", "Writer", "load",
-           "plot", "version"]
+           "plot", "plot_sweep", "version"]

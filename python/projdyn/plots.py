@@ -1,10 +1,12 @@
-"""Pictures of the numbers of a run over time (matplotlib)."""
+"""Pictures of the numbers of a run over time, and of a sweep over a parameter (matplotlib)."""
 from __future__ import annotations
 
+import csv
 import difflib
+import fnmatch
 import pathlib
 import re
-from typing import Any, Optional
+from typing import Any, Iterable, Optional
 
 import numpy as np
 
@@ -12,6 +14,37 @@ from ._paths import Path
 from .errors import InputError
 
 _UNITS = {"J": "J", "N": "N", "Nm": "N m", "Pa": "Pa", "m_s": "m/s", "m3": "m³", "m": "m", "s": "s"}
+
+
+def _pyplot() -> Any:
+    try:
+        from matplotlib import pyplot
+    except ImportError:
+        raise ImportError("projdyn.plot needs matplotlib: pip install matplotlib") from None
+    return pyplot
+
+
+def _diagrams(count: int) -> Any:
+    """A figure, and its diagrams one below the other, which share the horizontal axis."""
+    figure, diagrams = _pyplot().subplots(count, sharex=True, squeeze=False, layout="constrained",
+                                          figsize=(6.4, max(4.8, 1.6 * count)))  # inches
+    return figure, diagrams[:, 0]
+
+
+def _choose(columns: Iterable[str], known: list[str], where: Path) -> list[str]:
+    """The columns by their names, which may be patterns such as "energy_*"."""
+    chosen: list[str] = []
+    for name in columns:
+        found = [name] if name in known else fnmatch.filter(known, name)
+        if not found:
+            near = difflib.get_close_matches(name, known, 1)
+            hint = f'did you mean "{near[0]}"?' if near else f"known: {', '.join(known)}"
+            raise InputError(f'{where}: unknown column "{name}"; {hint}')
+        chosen += [key for key in found if key not in chosen]
+    return chosen
+
+
+# ---- runs ---------------------------------------------------------------------------------------
 
 
 def _read(file: pathlib.Path) -> dict[str, np.ndarray]:
@@ -27,33 +60,80 @@ def _unit(column: str) -> str:
 
 def plot(run: Path, *columns: str, file: Optional[Path] = None) -> Any:
     """Draws columns of metrics.csv and probes.csv of a run over time, one diagram for each unit, and
-    returns the figure of matplotlib. Without columns: the energies. file: where to save it, as
-    "energies.png". The run may still go on. InputError: there is no such run or column."""
-    try:
-        from matplotlib import pyplot
-    except ImportError:
-        raise ImportError("projdyn.plot needs matplotlib: pip install matplotlib") from None
+    returns the figure of matplotlib. Without columns: the energies. A name may be a pattern:
+    "energy_*" is the energy of each constraint. file: where to save it, as "energies.png". The run
+    may still go on. InputError: there is no such run or column."""
+    _pyplot()
     tables = [_read(path) for path in (pathlib.Path(run, "metrics.csv"),
                                        pathlib.Path(run, "probes.csv")) if path.exists()]
     if not tables or not len(tables[0].get("time_s", ())):
         raise InputError(f"{run}: expected the directory of a run with metrics.csv and a step in it")
-    names = list(columns) or ["kinetic_J", "potential_J", "constraint_J"]
-    for name in names:
-        if not any(name in table for table in tables):
-            known = [key for table in tables for key in table]
-            near = difflib.get_close_matches(name, known, 1)
-            hint = f'did you mean "{near[0]}"?' if near else f"known: {', '.join(known)}"
-            raise InputError(f'{run}: unknown column "{name}"; {hint}')
+    names = _choose(columns or ("kinetic_J", "potential_J", "constraint_J"),
+                    [key for table in tables for key in table], run)
     units = list(dict.fromkeys(map(_unit, names)))
-    figure, diagrams = pyplot.subplots(len(units), sharex=True, squeeze=False,
-                                       layout="constrained")
-    for unit, axes in zip(units, diagrams[:, 0]):
+    figure, diagrams = _diagrams(len(units))
+    for unit, axes in zip(units, diagrams):
         for name in (name for name in names if _unit(name) == unit):
             table = next(table for table in tables if name in table)
             axes.plot(table["time_s"], table[name], label=name)
         axes.set_ylabel(unit)
         axes.legend()
-    diagrams[-1, 0].set_xlabel("time, s")
+    diagrams[-1].set_xlabel("time, s")
+    if file is not None:
+        figure.savefig(file)
+    return figure
+
+
+# ---- sweeps -------------------------------------------------------------------------------------
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        return np.isfinite(float(cell))
+    except ValueError:
+        return False
+
+
+def _axis(rows: list[dict[str, str]], varied: list[str]) -> tuple[str, list[Any]]:
+    """The first varied parameter whose values are numbers, otherwise the first; its values."""
+    numeric = [path for path in varied if all(_is_number(row[path]) for row in rows)]
+    along = (numeric or varied)[0]
+    return along, [float(row[along]) if numeric else row[along] for row in rows]
+
+
+def plot_sweep(sweep: Path, *columns: str, file: Optional[Path] = None) -> Any:
+    """Draws columns of sweep.csv over a swept parameter, the first one that is a number: a diagram
+    for each column, and in it a line for each combination of the other parameters. Returns the
+    figure of matplotlib. The axis is logarithmic where the values span more than a factor of 20.
+    Without columns: processor time and step residual. Names, file: as for plot. Runs that are not
+    good are left out. InputError: there is no such sweep or column."""
+    _pyplot()
+    path = pathlib.Path(sweep, "sweep.csv")
+    if not path.exists():
+        raise InputError(f"{sweep}: expected the directory of a sweep with sweep.csv")
+    with open(path, newline="", encoding="utf-8") as table:
+        reader = csv.DictReader(table)
+        rows = [row for row in reader if row["status"] == "good"]
+    known = list(reader.fieldnames or ())
+    names = _choose(columns or ("cpu_s_per_s", "max_step_residual"), known, sweep)
+    if not rows:
+        raise InputError(f"{path}: expected a run that is good")
+    paths = known[:known.index("status")]
+    varied = [path for path in paths if len({row[path] for row in rows}) > 1] or paths
+    along, places = _axis(rows, varied)
+    labels = [", ".join(f"{path}={row[path]}" for path in varied if path != along) for row in rows]
+    figure, diagrams = _diagrams(len(names))
+    for name, axes in zip(names, diagrams):
+        for label in dict.fromkeys(labels):
+            line = [k for k in range(len(rows)) if labels[k] == label]
+            axes.plot([places[k] for k in line], [float(rows[k][name] or "nan") for k in line],
+                      marker="o", label=label)
+        axes.set_title(name, loc="left", fontsize="medium")
+    if any(labels):
+        diagrams[0].legend()
+    if isinstance(places[0], float) and max(places) > 20 * min(places) > 0:
+        axes.set_xscale("log")
+    diagrams[-1].set_xlabel(along)
     if file is not None:
         figure.savefig(file)
     return figure

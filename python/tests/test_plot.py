@@ -65,6 +65,12 @@ class Plot(unittest.TestCase):
         self.assertEqual(len(figure.axes[0].get_lines()), 2)
         self.assertGreater(file.stat().st_size, 1000)
 
+    def test_pattern(self):
+        names = ["energy_sheet.spring_J", "energy_sheet.bending_J", "energy_sheet.pin_J"]
+        lines = self.lines(projdyn.plot(self.run_path, "energy_*", "energy_sheet.pin_J"))
+        self.assertEqual(sorted(lines), sorted(names))
+        self.assertGreater(lines["energy_sheet.spring_J"][-1, 1], 0)
+
     def test_running(self):
         """The last row of a run that goes on may be incomplete."""
         going = pathlib.Path(self.folder.name, "going")
@@ -84,6 +90,49 @@ class Plot(unittest.TestCase):
         (empty / "metrics.csv").write_text("time_s,kinetic_J\n")
         with self.assertRaisesRegex(projdyn.InputError, "and a step in it"):
             projdyn.plot(empty)
+
+
+@unittest.skipUnless(matplotlib, "no matplotlib")
+class PlotSweep(unittest.TestCase):
+    ROWS = """solver.type,stiffness,status,cpu_s,max_step_residual,mean_x_J
+cg,10,good,1,0.1,5
+cg,1000,good,2,0.1,6
+cholesky,10,good,3,0.1,
+cholesky,1000,killed,,,
+"""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.sweep = pathlib.Path(folder.name)
+
+    def draw(self, rows, *columns):
+        from matplotlib import pyplot
+        self.addCleanup(pyplot.close, "all")
+        (self.sweep / "sweep.csv").write_text(rows)
+        return projdyn.plot_sweep(self.sweep, *columns, file=self.sweep / "sweep.png")
+
+    def test_lines(self):
+        """The horizontal axis has the numbers; the solvers are lines; a killed run is no point."""
+        above, below = self.draw(self.ROWS, "mean_*", "cpu_s").axes
+        self.assertEqual([above.get_title("left"), below.get_title("left")], ["mean_x_J", "cpu_s"])
+        self.assertEqual((below.get_xlabel(), below.get_xscale()), ("stiffness", "log"))
+        lines = {line.get_label(): line.get_xydata().tolist() for line in below.get_lines()}
+        self.assertEqual(lines, {"solver.type=cg": [[10, 1], [1000, 2]], "solver.type=cholesky": [[10, 3]]})
+        self.assertTrue(np.isnan(above.get_lines()[1].get_ydata()[0]))
+        self.assertGreater((self.sweep / "sweep.png").stat().st_size, 1000)
+
+    def test_words(self):
+        axes, = self.draw(self.ROWS.replace("1000,good", "10,good"), "cpu_s").axes
+        self.assertEqual(axes.get_xlabel(), "solver.type")
+
+    def test_errors(self):
+        with self.assertRaisesRegex(projdyn.InputError, "expected the directory of a sweep"):
+            projdyn.plot_sweep(self.sweep)
+        with self.assertRaisesRegex(projdyn.InputError, 'unknown column "cpu"; did you mean "cpu_s"'):
+            self.draw(self.ROWS, "cpu")
+        with self.assertRaisesRegex(projdyn.InputError, "expected a run that is good"):
+            self.draw(self.ROWS.replace("good", "failed"), "cpu_s")
 
 
 if __name__ == "__main__":
