@@ -183,14 +183,31 @@ static int check_frames(const struct run *run, const struct part *surface) {
                      listed == run->frames ? " of other times" : "", run->directory);
 }
 
+/* Meshes of the other formats of `projdyn mesh` are not read. */
+static int refuse_other_formats(const struct run *run, const struct part *part) {
+    static const char *const ending[] = {"ply", "obj"};
+    for (int k = 0; k < 2; k++) {
+        char path[RUN_PATH];
+        int length = snprintf(path, sizeof path, "%s/mesh/%s_000000.%s", run->directory, part->name,
+                              ending[k]);
+        if (length < RUN_PATH && !access(path, F_OK))
+            return run_error("%s: expected a mesh with --format vtk: run `projdyn mesh %s` again, "
+                             "or delete the folder mesh for particles",
+                             path, run->directory);
+    }
+    return EXIT_GOOD;
+}
+
 /* A fluid: the surface that `projdyn mesh` has made, else its particles. */
 static int put_fluid(struct stage *stage, const struct part *part) {
     char path[RUN_PATH];
     struct part surface = {.kind = BODY, .folder = "mesh/", .name = part->name};
     if (snprintf(path, sizeof path, "%s/mesh/%s.vtk.series", stage->run->directory, part->name) >=
             RUN_PATH ||
-        access(path, F_OK))
-        return put_particles(stage, part);
+        access(path, F_OK)) {
+        int code = refuse_other_formats(stage->run, part);
+        return code == EXIT_GOOD ? put_particles(stage, part) : code;
+    }
     int code = part_open_series(stage->run, &surface);
     if (code == EXIT_GOOD) code = check_frames(stage->run, &surface);
     if (code == EXIT_GOOD) code = put_mesh(stage, part, &surface);

@@ -112,11 +112,11 @@ class Usd(unittest.TestCase):
                            lambda mesh: mesh.cells_dict["triangle"])
 
     def check_refused(self, *found):
-        """`projdyn usd run` names the list of frames, what it found there and what to do."""
+        """`projdyn usd run` names the meshes, what it found there and what to do."""
         done = subprocess.run([PROJDYN, "usd", "run", "-o", "refused.usda"], cwd=self.directory, text=True,
                               stderr=subprocess.PIPE)
         self.assertEqual(done.returncode, 2)
-        for word in ("run/mesh/2-water.vtk.series", "projdyn mesh run", *found):
+        for word in ("run/mesh/2-water", "projdyn mesh run", *found):
             self.assertIn(word, done.stderr)
         self.assertFalse((self.directory / "refused.usda").exists())
 
@@ -133,7 +133,15 @@ class Usd(unittest.TestCase):
         whole = series.read_text()
         self.addCleanup(series.write_text, whole)
         self.program("mesh", "run", "--threads", "1", "--frames", "0:1")
-        self.check_refused("expected the 3 frames", "found 2")
+        self.check_refused(".vtk.series: expected the 3 frames", "found 2")
+
+    def test_surface_of_another_format(self):
+        series = self.directory / "run/mesh/2-water.vtk.series"
+        whole = series.read_text()
+        self.addCleanup(series.write_text, whole)
+        self.program("mesh", "run", "--threads", "1", "--format", "ply")
+        series.unlink()
+        self.check_refused("2-water_000000.ply: expected a mesh with --format vtk")
 
     def test_surface_without_particles(self):
         disc = {"disc": {"center": [0, 0.2, 0], "radius": 0.06}, "direction": [0, -1, 0], "speed": 1, "start": 0.05}
