@@ -157,9 +157,56 @@ class Trade(unittest.TestCase):
     def test_refuses(self):
         self.assertIn("no setting reaches the target", trade("--error", "1e-12", code=1))
         self.assertIn("0.001 or 0.1%", trade("--error", "much", code=2))
+        self.assertIn("0.001 or 0.1%", trade("--error", "-1", code=2))
+        self.assertIn('found "5", expected a fraction below 1', trade("--error", "5", code=2))
         self.assertIn("33ms", trade("--budget", "33", code=2))
         self.assertIn("expected density", trade("--by", "colour", code=2))
         self.assertIn("--error or --budget", trade("--write", "x.json", code=2))
+
+
+class TradeFixed(unittest.TestCase):
+    """A fixed step of 8 ms, in frames of 20 ms: a run takes steps of 20/3 ms."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.sets = ["--set", 'time_step={"fixed": 0.008}', "--set", 'contact={"thickness": 0.01}']
+        trade(*cls.sets)
+        with open(OUT / "trade.csv") as file:
+            cls.rows = list(csv.DictReader(file))
+
+    def test_names_the_real_step(self):
+        factors = set()
+        for row in self.rows:
+            factor = re.search("h x ([0-9.]+)", row["name"])
+            fixed = re.search("time_step.fixed=([^ ]+)", row["settings"])
+            if not fixed:
+                continue
+            per_frame = 0.02 / float(fixed.group(1))
+            self.assertAlmostEqual(per_frame, round(per_frame), delta=1e-9)
+            self.assertAlmostEqual(float(factor.group(1)), 3 / per_frame, delta=1e-5)
+            factors.add(factor.group(1))
+        self.assertEqual({"3", "1.5", "0.5"}, factors & {"8", "4", "3", "2", "1.5", "0.5"})
+        names = [row["name"] for row in self.rows]
+        self.assertEqual(len(names), len(set(names)))
+
+    def test_recommends_without_warning(self):
+        """A residual of 1 or 10 is a tolerance that `check` warns of: fluid and contact."""
+        loose = [row for row in self.rows if row["on_front"] == "1" and re.search("residual 10?$", row["name"])]
+        self.assertTrue(loose)
+        for row in loose:
+            said = trade(*self.sets, "--error", str(1.0001 * float(row["error"])), "--write", str(OUT / "fixed.json"))
+            self.assertNotRegex(said, "Recommended: .*residual 10?\n")
+            check = subprocess.run([PROJDYN, "check", OUT / "fixed.json"], capture_output=True, text=True, check=True)
+            self.assertNotIn("[tolerance]", check.stderr)
+
+    def test_short_window(self):
+        """Frames that a short window adds divide those of the scene, so that its steps fit them, too."""
+        said = trade("--window", "0.05", "--set", 'time_step={"fixed": 0.008}', "--budget", "100s")
+        self.assertIn("a frame every 0.005 s", said)
+        with open(OUT / "trade.csv") as file:
+            names = [row["name"] for row in csv.DictReader(file)]
+        self.assertIn("h x 0.75", names)  # 5 ms
+        self.assertNotIn("scene unchanged", names)
 
 
 class TradeReplica(unittest.TestCase):

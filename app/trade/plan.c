@@ -1,6 +1,6 @@
 /* The settings of a plan: a grid of step lengths and solution accuracies, then other
  * integrators, step types, solvers and tolerances. Step lengths are factors on that of the scene
- * ("h x 2"). */
+ * ("h x 2"); those of fixed steps divide the frame interval, as the steps of a run do. */
 #include "plan.h"
 #include "scene_json.h"
 
@@ -9,6 +9,17 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* What a plan is made for. */
+struct base {
+    const json_t *scene;
+    const struct time_window *window;
+};
+
+/* A setting that solves its steps. */
+struct point {
+    double factor, tolerance;
+};
 
 /* ---- parts of a setting ---------------------------------------------------------------------- */
 
@@ -24,15 +35,35 @@ static void scale_viscosity(struct setting *setting, const json_t *scene, double
     }
 }
 
-/* Multiplies the step length by a factor. Defaults for missing keys are those of
+/* Length of the steps that a run takes with the fixed step `fixed`: equal parts of a frame
+ * interval. */
+static double divide_interval(double interval, double fixed) {
+    return interval / fmax(1.0, ceil(interval / fixed * (1.0 - 1e-9)));
+}
+
+/* Fixed step of the scene, as its own runs take it; 0: its steps are adaptive. */
+static double scene_step(const struct base *base) {
+    double fixed = scene_number(json_object_get(base->scene, "time_step"), "fixed", 0.0);
+    return fixed > 0.0 ? divide_interval(base->window->scene_interval, fixed) : 0.0;
+}
+
+/* The factor on the step length that the runs take, which is less than the asked one where a fixed
+ * step is shortened to divide the frame interval. */
+static double real_factor(const struct base *base, double factor) {
+    double h = scene_step(base);
+    if (h == 0.0) return factor;
+    double real = divide_interval(base->window->frame_interval, factor * h) / h;
+    return fabs(real - factor) < 1e-9 * factor ? factor : real;
+}
+
+/* Multiplies the step length by a real factor. Defaults for missing keys are those of
  * docs/guide/scene.md. */
-static void scale_step(struct setting *setting, const json_t *scene, double factor) {
-    const json_t *step = json_object_get(scene, "time_step");
-    double fixed = scene_number(step, "fixed", 0.0);
+static void scale_step(struct setting *setting, const struct base *base, double factor) {
+    const json_t *step = json_object_get(base->scene, "time_step");
     if (factor == 1.0) return;
-    scale_viscosity(setting, scene, factor);
-    if (fixed > 0.0) {
-        setting_add(setting, "time_step.fixed=%.9g", factor * fixed);
+    scale_viscosity(setting, base->scene, factor);
+    if (scene_step(base) > 0.0) {
+        setting_add(setting, "time_step.fixed=%.12g", factor * scene_step(base));
         return;
     }
     double maximum = factor * scene_number(step, "maximum", 0.005);
@@ -86,53 +117,65 @@ static bool append_setting(struct plan *plan, struct setting *setting, const cha
 
 /* ---- the plan -------------------------------------------------------------------------------- */
 
+/* Whether an earlier point has the same real step and tolerance. */
+static bool is_repeated(const struct base *base, const struct point *point, size_t k) {
+    double factor = real_factor(base, point[k].factor);
+    for (size_t j = 0; j < k; j++)
+        if (point[j].tolerance == point[k].tolerance &&
+            real_factor(base, point[j].factor) == factor)
+            return true;
+    return false;
+}
+
 /* Step lengths x residuals. */
-static bool add_solved_grid(struct plan *plan, const json_t *scene) {
-    static const struct {
-        double factor, tolerance;
-    } points[] = {{8, 1},       {8, 0.1},    {4, 10},     {4, 1},    {4, 0.1},    {2, 10},
-                  {2, 1},       {2, 0.1},    {1, 10},     {1, 1},    {1, 0.1},    {0.5, 10},
-                  {0.5, 1},     {0.5, 0.1},  {0.25, 10},  {0.25, 1}, {0.25, 0.1}, {0.125, 1},
-                  {0.125, 0.1}, {0.0625, 1}, {0.03125, 1}};
+static bool add_solved_grid(struct plan *plan, const struct base *base) {
+    static const struct point points[] = {
+        {8, 1},     {8, 0.1},  {4, 10},     {4, 1},     {4, 0.1},     {2, 10},     {2, 1},
+        {2, 0.1},   {1, 10},   {1, 1},      {1, 0.1},   {0.5, 10},    {0.5, 1},    {0.5, 0.1},
+        {0.25, 10}, {0.25, 1}, {0.25, 0.1}, {0.125, 1}, {0.125, 0.1}, {0.0625, 1}, {0.03125, 1}};
     bool good = true;
     for (size_t k = 0; k < sizeof points / sizeof *points && good; k++) {
+        double factor = real_factor(base, points[k].factor);
         struct setting setting = {0};
-        scale_step(&setting, scene, points[k].factor);
+        if (is_repeated(base, points, k)) continue;
+        scale_step(&setting, base, factor);
         set_tolerance(&setting, points[k].tolerance);
-        good = append_setting(plan, &setting, "h x %g, to residual %g", points[k].factor,
-                              points[k].tolerance);
+        good =
+            append_setting(plan, &setting, "h x %g, to residual %g", factor, points[k].tolerance);
     }
     return good;
 }
 
 /* The integrator that the scene does not use, of euler and bdf2. */
-static bool add_other_integrator(struct plan *plan, const json_t *scene) {
-    static const struct {
-        double factor, tolerance;
-    } points[] = {{4, 1}, {2, 1}, {1, 1}, {1, 0.1}, {0.5, 1}, {0.5, 0.1}, {0.25, 1}, {0.125, 1}};
-    const char *other = strcmp(scene_integrator(scene), "euler") ? "euler" : "bdf2";
+static bool add_other_integrator(struct plan *plan, const struct base *base) {
+    static const struct point points[] = {{4, 1},   {2, 1},     {1, 1},    {1, 0.1},
+                                          {0.5, 1}, {0.5, 0.1}, {0.25, 1}, {0.125, 1}};
+    const char *other = strcmp(scene_integrator(base->scene), "euler") ? "euler" : "bdf2";
     bool good = true;
     for (size_t k = 0; k < sizeof points / sizeof *points && good; k++) {
+        double factor = real_factor(base, points[k].factor);
         struct setting setting = {0};
-        scale_step(&setting, scene, points[k].factor);
+        if (is_repeated(base, points, k)) continue;
+        scale_step(&setting, base, factor);
         setting_add(&setting, "time_step.integrator=%s", other);
         set_tolerance(&setting, points[k].tolerance);
-        good = append_setting(plan, &setting, "%s, h x %g, to residual %g", other, points[k].factor,
+        good = append_setting(plan, &setting, "%s, h x %g, to residual %g", other, factor,
                               points[k].tolerance);
     }
     return good;
 }
 
 /* Step lengths x iteration limits. */
-static bool add_truncated_grid(struct plan *plan, const json_t *scene, double coarsening) {
+static bool add_truncated_grid(struct plan *plan, const struct base *base, double coarsening) {
     static const double factors[] = {4, 2, 1, 0.5};
     static const int iterations[][2] = {{1, 8}, {2, 8}, {2, 24}, {4, 24}};
     bool good = true;
     for (size_t k = 0; k < 16 && good; k++) {
-        double factor = factors[k / 4];
+        double factor = real_factor(base, factors[k / 4]);
         int outer = iterations[k % 4][0], linear = (int)round(coarsening * iterations[k % 4][1]);
         struct setting setting = {0};
-        scale_step(&setting, scene, factor);
+        if (k >= 4 && real_factor(base, factors[k / 4 - 1]) == factor) continue;
+        scale_step(&setting, base, factor);
         truncate_iterations(&setting, outer, linear);
         good = append_setting(plan, &setting, "h x %g, %d x %d iterations", factor, outer, linear);
     }
@@ -141,24 +184,28 @@ static bool add_truncated_grid(struct plan *plan, const json_t *scene, double co
 
 /* Fixed step lengths instead of steps limited by the CFL number; none if the scene has fixed
  * steps. */
-static bool add_fixed_steps(struct plan *plan, const json_t *scene, double coarsening) {
-    static const double factors[] = {1, 2, 4};
+static bool add_fixed_steps(struct plan *plan, const struct base *base, double coarsening) {
     int linear = (int)round(24.0 * coarsening);
-    const json_t *step = json_object_get(scene, "time_step");
-    double longest = scene_number(step, "maximum", 0.005);
+    double longest = scene_number(json_object_get(base->scene, "time_step"), "maximum", 0.005);
+    double before = 0.0;
     bool good = true;
-    if (scene_number(step, "fixed", 0.0) > 0.0) return true;
-    for (int k = 0; k < 6 && good; k++) {
-        double ms = 1e3 * factors[k / 2] * longest;
-        struct setting setting = {0};
-        setting_add(&setting, "time_step={\"fixed\": %.9g, \"integrator\": \"%s\"}", 1e-3 * ms,
-                    scene_integrator(scene));
-        scale_viscosity(&setting, scene, factors[k / 2]);
-        if (k % 2) set_tolerance(&setting, 1.0);
-        else truncate_iterations(&setting, 2, linear);
-        good = k % 2 ? append_setting(plan, &setting, "fixed steps of %g ms, to residual 1", ms)
-                     : append_setting(plan, &setting, "fixed steps of %g ms, 2 x %d iterations", ms,
-                                      linear);
+    if (scene_step(base) > 0.0) return true;
+    for (int k = 0; k < 3 && good; k++) {
+        double h = divide_interval(base->window->frame_interval, longest * (1 << k));
+        for (int solved = 0; solved < 2 && good && h != before; solved++) {
+            struct setting setting = {0};
+            setting_add(&setting, "time_step={\"fixed\": %.12g, \"integrator\": \"%s\"}", h,
+                        scene_integrator(base->scene));
+            scale_viscosity(&setting, base->scene, h / longest);
+            if (solved) set_tolerance(&setting, 1.0);
+            else truncate_iterations(&setting, 2, linear);
+            good =
+                solved
+                    ? append_setting(plan, &setting, "fixed steps of %g ms, to residual 1", 1e3 * h)
+                    : append_setting(plan, &setting, "fixed steps of %g ms, 2 x %d iterations",
+                                     1e3 * h, linear);
+        }
+        before = h;
     }
     return good;
 }
@@ -198,25 +245,27 @@ static bool add_step_types(struct plan *plan) {
 }
 
 /* The scene unchanged, and with other step lengths. */
-static bool add_scene_steps(struct plan *plan, const json_t *scene) {
+static bool add_scene_steps(struct plan *plan, const struct base *base) {
     static const double factors[] = {1, 2, 0.5};
     bool good = true;
     for (int k = 0; k < 3 && good; k++) {
+        double factor = real_factor(base, factors[k]);
         struct setting setting = {0};
-        scale_step(&setting, scene, factors[k]);
-        good = k ? append_setting(plan, &setting, "h x %g", factors[k])
-                 : append_setting(plan, &setting, "scene unchanged");
+        if (k && real_factor(base, 1.0) == factor) continue;
+        scale_step(&setting, base, factor);
+        good = factor != 1.0 ? append_setting(plan, &setting, "h x %g", factor)
+                             : append_setting(plan, &setting, "scene unchanged");
     }
     return good;
 }
 
 /* References use bdf2, whose error decreases faster with the step length than that of euler. */
-static bool make_references(struct plan *plan, const json_t *scene) {
+static bool make_references(struct plan *plan, const struct base *base) {
     bool good = true;
     for (int k = 0; k < PLAN_REFERENCES; k++) {
         struct setting *setting = &plan->reference[k];
-        double factor = 0.25 / (double)(1 << k);
-        scale_step(setting, scene, factor);
+        double factor = 0.25 / (double)(1 << k) * real_factor(base, 1.0);
+        scale_step(setting, base, factor);
         setting_add(setting, "time_step.integrator=bdf2");
         set_tolerance(setting, 0.01);
         if (asprintf(&setting->name, "bdf2, h x %g, to residual 0.01", factor) < 0)
@@ -226,12 +275,14 @@ static bool make_references(struct plan *plan, const json_t *scene) {
     return good;
 }
 
-bool plan_make(struct plan *plan, const json_t *scene, const char *solver, double coarsening) {
+bool plan_make(struct plan *plan, const json_t *scene, const struct time_window *window,
+               double coarsening) {
+    const struct base base = {scene, window};
     *plan = (struct plan){0};
-    return add_scene_steps(plan, scene) && add_truncated_grid(plan, scene, coarsening) &&
-           add_solved_grid(plan, scene) && add_other_integrator(plan, scene) &&
-           add_fixed_steps(plan, scene, coarsening) && add_solvers(plan, solver) &&
-           add_step_types(plan) && make_references(plan, scene);
+    return add_scene_steps(plan, &base) && add_truncated_grid(plan, &base, coarsening) &&
+           add_solved_grid(plan, &base) && add_other_integrator(plan, &base) &&
+           add_fixed_steps(plan, &base, coarsening) && add_solvers(plan, window->solver) &&
+           add_step_types(plan) && make_references(plan, &base);
 }
 
 void plan_free(struct plan *plan) {

@@ -4,6 +4,7 @@
 #define PLAN_H
 
 #include "setting.h"
+#include "time_window.h"
 
 #include <jansson.h>
 
@@ -11,16 +12,17 @@ enum { PLAN_REFERENCES = 6 };
 
 struct plan {
     int count, capacity;
-    struct setting *setting; /* count; the first one changes nothing */
+    struct setting *setting; /* count */
     /* BDF2 solved to a small residual, with steps of 1/4, 1/8, ... 1/128 of the scene's length. */
     struct setting reference[PLAN_REFERENCES];
 };
 
-/* scene: JSON with the user's overrides applied; solver: solver type that the scene uses;
- * coarsening: linear iteration limits are multiplied by it, so that a plan for a scene and a
- * plan for its replica (coarsening 1) match: information travels one spacing per linear
- * iteration. false if memory ran out; the caller calls plan_free() in any case. */
-bool plan_make(struct plan *plan, const json_t *scene, const char *solver, double coarsening);
+/* scene: JSON with the user's overrides applied; window: of the runs; coarsening: linear iteration
+ * limits are multiplied by it, so that a plan for a scene and a plan for its replica (coarsening 1)
+ * match: information travels one spacing per linear iteration. false if memory ran out; the caller
+ * calls plan_free() in any case. */
+bool plan_make(struct plan *plan, const json_t *scene, const struct time_window *window,
+               double coarsening);
 void plan_free(struct plan *plan);
 
 #endif

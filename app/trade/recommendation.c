@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { MAX_SCENE_RUNS = 3 }; /* settings that are run on the scene itself */
 
@@ -18,10 +19,12 @@ static const double cost_exponent = 4.0;
 
 /* ---- time on the scene itself ---------------------------------------------------------------- */
 
-/* Measured time of one setting on the scene. */
+/* What is known of one setting on the scene. */
 struct scene_time {
     double ms;        /* processor time per frame, extrapolated to the whole window */
     double simulated; /* s of the scene that were run; 0: the time is not known */
+    bool warns;       /* the scene has warnings with it that it does not have without it */
+    bool no_warnings; /* it has been looked for such warnings in vain */
 };
 
 /* Runs setting k on the scene, for limit_s seconds of processor time. */
@@ -76,14 +79,63 @@ static int measure_scene_time(const struct study *s, int k, double limit_s,
     return code;
 }
 
+/* ---- warnings -------------------------------------------------------------------------------- */
+
+/* The scene with the user's overrides and those of a setting; false with a message if memory ran
+ * out. The caller calls scene_options_free() in any case. */
+static bool make_scene(const struct study *s, const struct setting *setting,
+                       struct scene_options *scene) {
+    const struct scene_options *user = s->scope.user;
+    bool good = true;
+    *scene = (struct scene_options){.scene = user->scene, .threads = 1, .silent = true};
+    for (int k = 0; k < user->plugins; k++) good &= scene_plugin(scene, user->plugin[k]);
+    for (int k = 0; k < user->sets; k++) good &= scene_set(scene, user->set[k]);
+    for (int k = 0; k < setting->sets; k++) good &= scene_set(scene, setting->set[k]);
+    return good;
+}
+
+/* Loads the scene with a setting. The caller frees *sim and *context in any case. */
+static int load_scene(const struct study *s, const struct setting *setting, pdyn_context **context,
+                      pdyn_sim **sim) {
+    struct scene_options scene;
+    *context = NULL, *sim = NULL;
+    int code = make_scene(s, setting, &scene) ? scene_load(&scene, context, sim) : EXIT_FAILED;
+    scene_options_free(&scene);
+    return code;
+}
+
+static bool has_warning(const pdyn_sim *sim, const char *code) {
+    const char *other;
+    for (int k = 0; (other = pdyn_get_warning(sim, k).code); k++)
+        if (!strcmp(other, code)) return true;
+    return false;
+}
+
+/* Sets *warns to whether the loaded scene has a warning with the setting that it does not have
+ * without. */
+static int find_warnings(const struct study *s, const struct setting *setting, bool *warns) {
+    static const struct setting unchanged = {0};
+    pdyn_context *context[2] = {0};
+    pdyn_sim *sim[2] = {0};
+    const char *found;
+    int code = load_scene(s, setting, &context[0], &sim[0]);
+    if (code == EXIT_GOOD) code = load_scene(s, &unchanged, &context[1], &sim[1]);
+    *warns = false;
+    for (int k = 0; code == EXIT_GOOD && (found = pdyn_get_warning(sim[0], k).code); k++)
+        *warns |= !has_warning(sim[1], found);
+    for (int k = 0; k < 2; k++) pdyn_free(sim[k]), pdyn_destroy(context[k]);
+    return code;
+}
+
 /* ---- choice ---------------------------------------------------------------------------------- */
 
 /* The fastest trial that reaches the target if the target limits the error, otherwise the most
  * accurate one; NULL if none reaches it. Trials with truncated iterations are left out on a
- * replica: the error that truncation leaves is larger on a finer scene. ratio: time of the scene
+ * replica: the error that truncation leaves is larger on a finer scene. So are those that warn.
+ * ratio: time of the scene
  * over time of the replica, for settings whose scene time is not known. */
-static const struct trial *find_best(const struct study *s, const struct target *target,
-                                     const struct scene_time *time, double ratio) {
+static const struct trial *find_fitting(const struct study *s, const struct target *target,
+                                        const struct scene_time *time, double ratio) {
     const struct trial_table *table = &s->table;
     const struct trial *best = NULL;
     bool fastest = isfinite(target->max_error);
@@ -93,11 +145,24 @@ static const struct trial *find_best(const struct study *s, const struct target 
         double ms = time[k].simulated > 0.0 ? time[k].ms : ratio * t->ms;
         double error = t->error[table->metric], objective = fastest ? ms : error;
         if (!trial_is_usable(t, table->metric)) continue;
-        if (s->scope.replica.sets && t->setting->truncated) continue;
+        if (time[k].warns || (s->scope.replica.sets && t->setting->truncated)) continue;
         if (!(error <= target->max_error && ms <= target->max_ms && objective < least)) continue;
         best = t, least = objective;
     }
     return best;
+}
+
+/* The same, of the trials with which loading the scene gives no new warning. */
+static int find_best(const struct study *s, const struct target *target, struct scene_time *time,
+                     double ratio, const struct trial **best) {
+    int code = EXIT_GOOD;
+    while (code == EXIT_GOOD && (*best = find_fitting(s, target, time, ratio))) {
+        struct scene_time *t = &time[*best - s->table.trial];
+        if (t->no_warnings) return code;
+        code = find_warnings(s, (*best)->setting, &t->warns);
+        t->no_warnings = !t->warns;
+    }
+    return code;
 }
 
 /* Chooses a trial; with a replica, runs it on the scene, updates the ratio of times and chooses
@@ -108,8 +173,8 @@ static int choose(const struct study *s, const struct target *target, struct sce
     bool has_replica = s->scope.replica.sets > 0;
     int code = EXIT_GOOD;
     for (int runs = 0; code == EXIT_GOOD; runs++) {
-        *best = find_best(s, target, time, runs < MAX_SCENE_RUNS ? *ratio : INFINITY);
-        if (!*best || !has_replica) return code;
+        code = find_best(s, target, time, runs < MAX_SCENE_RUNS ? *ratio : INFINITY, best);
+        if (code != EXIT_GOOD || !*best || !has_replica) return code;
         int k = (int)(*best - s->table.trial);
         if (time[k].simulated > 0.0) return code;
         code = measure_scene_time(s, k, 8.0 * s->run_budget_s / s->jobs.processes, &time[k]);
@@ -123,13 +188,9 @@ static int choose(const struct study *s, const struct target *target, struct sce
 
 /* Writes the scene with the setting; the overrides of the time window are not part of it. */
 static int write_scene(const struct study *s, const struct setting *setting, const char *path) {
-    const struct scene_options *user = s->scope.user;
-    struct scene_options scene = {.scene = user->scene, .threads = 1, .silent = true};
+    struct scene_options scene;
     json_t *root = NULL;
-    bool good = true;
-    for (int k = 0; k < user->sets; k++) good &= scene_set(&scene, user->set[k]);
-    for (int k = 0; k < setting->sets; k++) good &= scene_set(&scene, setting->set[k]);
-    int code = good ? scene_json(&scene, &root) : EXIT_FAILED;
+    int code = make_scene(s, setting, &scene) ? scene_json(&scene, &root) : EXIT_FAILED;
     if (code == EXIT_GOOD && json_dump_file(root, path, JSON_INDENT(2) | JSON_REAL_PRECISION(15)))
         code = report_write_error(path);
     if (code == EXIT_GOOD) printf("Written to %s\n", path);
@@ -165,6 +226,8 @@ static void print_recommendation(const struct study *s, const struct trial *best
             time->simulated, time->ms / best->ms);
     else if (s->scope.replica.sets)
         puts("  (time and error of the replica: the scene itself took too long)");
+    if (best->setting->truncated)
+        puts("  (it ends steps before they are solved: runs have the warning \"unsolved\")");
 }
 
 static int report_unreached(const struct study *s, double ratio) {

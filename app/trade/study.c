@@ -14,9 +14,9 @@ static int make_plans(struct study *s) {
     json_t *scene = NULL, *runs = NULL;
     int code = scene_json(s->scope.user, &scene);
     if (code == EXIT_GOOD) code = scene_json(&s->scope.runs, &runs);
-    const char *solver = s->scope.window.solver;
-    if (code == EXIT_GOOD && (!plan_make(&s->scene_plan, scene, solver, s->scope.coarsening) ||
-                              !plan_make(&s->run_plan, runs, solver, 1.0)))
+    const struct time_window *window = &s->scope.window;
+    if (code == EXIT_GOOD && (!plan_make(&s->scene_plan, scene, window, s->scope.coarsening) ||
+                              !plan_make(&s->run_plan, runs, window, 1.0)))
         code = report_no_memory();
     json_decref(scene);
     json_decref(runs);

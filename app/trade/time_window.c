@@ -8,13 +8,17 @@
 
 enum { MIN_FRAMES = 6, SHORT_FRAMES = 10 }; /* frames of a window, see set_window() */
 
-/* The window holds whole frame intervals of the scene; if fewer than MIN_FRAMES fit, it is
- * divided into SHORT_FRAMES shorter intervals. */
+/* The window holds whole frame intervals of the scene. If fewer than MIN_FRAMES fit, it has at
+ * least SHORT_FRAMES shorter ones, which divide that of the scene: a fixed step that divides them
+ * divides it, too. */
 static void set_window(struct time_window *window, const pdyn_sim *sim, double length) {
     double interval = pdyn_frame_interval(sim), frames = floor(length / interval * (1.0 + 1e-9));
     window->scene_duration = pdyn_duration(sim), window->scene_interval = interval;
     window->whole = length >= window->scene_duration * (1.0 - 1e-9);
-    if (frames < MIN_FRAMES) interval = length / SHORT_FRAMES, frames = SHORT_FRAMES;
+    if (frames < MIN_FRAMES) {
+        interval /= ceil(SHORT_FRAMES * interval / length * (1.0 - 1e-9));
+        frames = floor(length / interval * (1.0 + 1e-9));
+    }
     window->frame_interval = interval;
     window->length = window->whole ? fmax(length, frames * interval) : frames * interval;
     snprintf(window->sets[0], sizeof window->sets[0], "duration=%.12g", window->length);

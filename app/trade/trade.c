@@ -53,6 +53,10 @@ struct unit {
     double factor;
 };
 
+static const struct unit fractions[] = {{"", 1}, {"%", 0.01}, {0}};
+static const struct unit times[] = {{"ms", 1}, {"s", 1000}, {0}};
+static const struct unit no_unit[] = {{"", 1}, {0}};
+
 /* Parses a positive number with one of the units; false with a message otherwise. expected: text
  * for the message. */
 static bool parse_quantity(const char *option, const char *text, const struct unit *units,
@@ -65,6 +69,21 @@ static bool parse_quantity(const char *option, const char *text, const struct un
             return true;
         }
     fprintf(stderr, "projdyn: %s: found \"%s\", expected %s\n", option, text, expected);
+    return false;
+}
+
+/* Parses the argument of --error; false with a message if it is no error that a setting may have.
+ */
+static bool parse_error(struct options *o, const char *text) {
+    const char *expected = "a fraction below 1 (100%) like 0.001 or 0.1%";
+    double error;
+    if (!parse_quantity("--error", text, fractions, expected, &error)) return false;
+    if (error < 1.0) return o->target.max_error = error, true;
+    fprintf(
+        stderr,
+        "projdyn: --error: found \"%s\", expected %s: a larger error has nothing in common with "
+        "the reference\n",
+        text, expected);
     return false;
 }
 
@@ -81,17 +100,12 @@ static bool parse_metric(struct options *o, const char *text) {
     return false;
 }
 
-static const struct unit fractions[] = {{"", 1}, {"%", 0.01}, {0}};
-static const struct unit times[] = {{"ms", 1}, {"s", 1000}, {0}};
-static const struct unit no_unit[] = {{"", 1}, {0}};
-
 static bool accept_option(void *self, int option) {
     struct options *o = self;
     double processes;
     switch (option) {
     case 'e':
-        return parse_quantity("--error", optarg, fractions, "a fraction like 0.001 or 0.1%",
-                              &o->target.max_error);
+        return parse_error(o, optarg);
     case 'b':
         return parse_quantity("--budget", optarg, times, "a time like 33ms or 0.1s",
                               &o->target.max_ms);
