@@ -5,7 +5,7 @@ from typing import Any, Optional
 
 import numpy as np
 
-from .errors import InputError
+from .errors import InputError, wrong_type
 
 
 class _Memory:
@@ -38,17 +38,21 @@ def number(value: Any, what: str) -> float:
 def indices(values: Any, shape: tuple[Optional[int], ...], what: str) -> np.ndarray:
     """Contiguous array of C integers of this shape. InputError: numbers that are not whole, or are
     out of the range of a C integer."""
-    given = np.asarray(values)
-    found = _array(given, shape, what, np.intc)
-    if not np.array_equal(found, given):
+    found = _array(values, shape, what, np.intc)
+    if not np.array_equal(found, values):
         raise InputError(f"{what}: expected whole numbers below 2^31")
     return found
 
 
 def _array(values: Any, shape: tuple[Optional[int], ...], what: str, dtype: Any) -> np.ndarray:
     try:
-        found = np.ascontiguousarray(values, dtype)
-    except (TypeError, ValueError) as error:
+        given = np.asarray(values)
+        if given.dtype.kind not in "biufO" or (given.dtype.kind == "O" and None in given.flat):
+            raise TypeError
+        found = np.ascontiguousarray(given, dtype)
+    except TypeError:
+        raise wrong_type(what, "numbers", values) from None
+    except ValueError as error:
         raise InputError(f"{what}: expected an array of numbers: {error}") from None
     if len(shape) != found.ndim or any(n not in (None, m) for n, m in zip(shape, found.shape)):
         wanted = " x ".join("n" if n is None else str(n) for n in shape)

@@ -9,7 +9,7 @@ from typing import Any, Callable, NoReturn, Optional
 
 from ._library import lib
 from ._structs import Log, Options
-from .errors import BAD_CALL, Error, InputError, error_of
+from .errors import BAD_CALL, Error, InputError, error_of, wrong_type
 
 _logger = logging.getLogger("projdyn")
 _raised: list[BaseException] = []  # by messages of a call, raised at its end
@@ -75,6 +75,8 @@ class Handle:
 
 def new_context(threads: int, allow_plugins: bool) -> Handle:
     """A context: threads and error text of a scene and its simulations."""
+    if not isinstance(threads, int):
+        raise wrong_type("threads", "a whole number", threads)
     options, out = Options(), c_void_p()
     lib.pdyn_default_options_sized(byref(options), sizeof(options))
     options.threads, options.log, options.refuse_scene_plugins = threads, _log, not allow_plugins

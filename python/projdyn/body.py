@@ -11,7 +11,7 @@ from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
 from ._structs import BodyInfo
-from .errors import InputError
+from .errors import InputError, wrong_type
 from .inlet import Inlet
 from .solid import Load, load_by
 
@@ -153,7 +153,9 @@ class Body(Fixed):
         self._handle.call(function, self.particles.start, len(self), address(rows))
 
     def _particle(self, vertex: int) -> int:
-        if not isinstance(vertex, (int, np.integer)) or not 0 <= vertex < len(self):
+        if not isinstance(vertex, (int, np.integer)):
+            raise wrong_type("vertex", "a whole number, or an array of them", vertex)
+        if not 0 <= vertex < len(self):
             raise InputError(f"{self.name}: expected a vertex from 0 to {len(self) - 1}, found "
                              f"{vertex}")
         return self.particles.start + vertex

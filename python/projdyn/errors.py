@@ -1,6 +1,8 @@
 """Exceptions: one per kind of status of the library."""
 from __future__ import annotations
 
+from typing import Any
+
 
 class Error(Exception):
     """A call failed and had no effect. The text is that of the library."""
@@ -13,6 +15,11 @@ class InputError(Error, ValueError):
 class StepError(Error):
     """A step failed: it diverged, or the linear solver failed. The state is that of the last step
     that succeeded; later steps fail, too."""
+
+
+def wrong_type(what: str, expected: str, found: Any) -> TypeError:
+    """The exception for an argument `what` of another type."""
+    return TypeError(f"{what}: expected {expected}, found {type(found).__name__}")
 
 
 _BAD_INPUT = 1

@@ -4,16 +4,16 @@ from __future__ import annotations
 import json
 import os
 from ctypes import c_char_p
-from typing import Any, Callable, Iterator, Optional, Sequence, Union
+from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 
 from ._arrays import address, doubles, indices
 from ._handles import Handle, new_context
 from ._library import lib
-from ._paths import Path
+from ._paths import Path, path as path_of, text
 from ._structs import Write
-from .errors import InputError
+from .errors import InputError, wrong_type
 from .simulation import Simulation
 
 Box = Union[dict[str, Any], Sequence[Any]]  # {"minimum": ..., "maximum": ...} or the two corners
@@ -39,7 +39,7 @@ class Scene:
         duration: s, the end of Simulation.run. threads: of its simulations; 0: one per core.
         allow_plugins: load plug-ins, which are code, that the scene names.
         """
-        if name.endswith(".json"):
+        if text(name, "name").endswith(".json"):
             raise InputError(f"{name}: Scene.open reads a file; Scene makes an empty scene of this name")
         self._handle = _new(lib.pdyn_scene_create, name, threads, allow_plugins)
         values = {"name": name, "duration": duration, "bodies": [], **keys}
@@ -80,12 +80,12 @@ class Scene:
     def __setitem__(self, path: str, value: Any) -> None:
         """Sets a value; None removes it. What is missing on the way is made. Checks are made by
         load."""
-        self._handle.call(lib.pdyn_scene_set, path.encode(), b"%s", _json(path, value).encode())
+        self._set(path, _json(text(path, "path"), value))
 
     def __getitem__(self, path: str) -> Any:
         """A copy of a value. KeyError: it was not given."""
         value: Any = self.to_dict()
-        for key in path.replace("[", ".").replace("]", "").split("."):
+        for key in text(path, "path").replace("[", ".").replace("]", "").split("."):
             try:
                 value = value[key] if isinstance(value, dict) else _element(value, key)
             except (KeyError, IndexError, TypeError, ValueError):
@@ -104,7 +104,7 @@ class Scene:
 
     def write(self, path: Path) -> None:
         """Writes the scene to a file, and its arrays to files beside it."""
-        self._handle.call(lib.pdyn_scene_write, os.fsencode(path))
+        self._handle.call(lib.pdyn_scene_write, path_of(path, "path"))
 
     # ---- bodies and solids ----------------------------------------------------------------------
 
@@ -120,13 +120,13 @@ class Scene:
         start. constraints: a dictionary of parameters by type, or a list of these, for example
         spring={"stretching_stiffness": 500}, pin=[{...}, {...}].
         """
-        name = name or self._free_name("bodies", "body")
-        if vertices is not None:
-            mesh = self._mesh(name, vertices, triangles)
+        name = self._name(name, "bodies", "body")
+        arrays = None if vertices is None else _mesh(name, vertices, triangles)
+        mesh = arrays.file if arrays else mesh
         surface = _given(grid=grid, mesh=mesh, scale=scale, rotate=rotate, translate=translate,
                          area_density=area_density, fluid_friction=fluid_friction,
                          permeability=permeability)
-        return self._add_body(name, "surface", surface, velocity, constraints)
+        return self._add_body(name, "surface", surface, velocity, constraints, arrays)
 
     def add_soft(self, vertices: Any = None, tets: Any = None, *, density: float,
                  name: Optional[str] = None, velocity: Any = None, grid: Any = None,
@@ -140,17 +140,16 @@ class Scene:
         m x 3, or the file are a closed mesh, which is filled. density: kg/m^3. Otherwise as
         add_cloth.
         """
-        name = name or self._free_name("bodies", "body")
+        name = self._name(name, "bodies", "body")
+        arrays = None
         if triangles is not None:
-            mesh = self._mesh(name, vertices, triangles)
+            arrays = _mesh(name, vertices, triangles)
         elif vertices is not None:
-            mesh = f"{name}.msh"
-            x, t = doubles(vertices, (None, 3), "vertices"), indices(tets, (None, 4), "tets")
-            self._handle.call(lib.pdyn_scene_tets, mesh.encode(), len(x), address(x), len(t),
-                              address(t))
+            arrays = _tets(name, vertices, tets)
+        mesh = arrays.file if arrays else mesh
         volume = _given(grid=grid, mesh=mesh, cell=cell, scale=scale, rotate=rotate, translate=translate,
                         density=density, fluid_friction=fluid_friction)
-        return self._add_body(name, "volume", volume, velocity, constraints)
+        return self._add_body(name, "volume", volume, velocity, constraints, arrays)
 
     def add_rigid(self, vertices: Any = None, triangles: Any = None, *,
                   density: Optional[float] = None, mass: Optional[float] = None,
@@ -166,13 +165,13 @@ class Scene:
         path of a file; cell, m, as in a scene file. Either density, kg/m^3, or mass, kg. velocity: m/s, and angular_velocity:
         rad/s, at the start. Otherwise as add_cloth.
         """
-        name = name or self._free_name("bodies", "body")
-        if vertices is not None:
-            mesh = self._mesh(name, vertices, triangles)
+        name = self._name(name, "bodies", "body")
+        arrays = None if vertices is None else _mesh(name, vertices, triangles)
+        mesh = arrays.file if arrays else mesh
         rigid = _given(box=None if box is None else _box(box), sphere=sphere, capsule=capsule,
                        mesh=mesh, cell=cell, scale=scale, rotate=rotate, translate=translate,
                        density=density, mass=mass, angular_velocity=angular_velocity, fluid_friction=fluid_friction)
-        return self._add_body(name, "rigid", rigid, velocity, constraints)
+        return self._add_body(name, "rigid", rigid, velocity, constraints, arrays)
 
     def add_fluid(self, positions: Any = None, *, radius: float, velocities: Any = None,
                   box: Optional[Box] = None, fill: Sequence[dict[str, Any]] = (),
@@ -187,15 +186,15 @@ class Scene:
         a particle; a particle has the mass of a cube of two radii. constraints: as add_cloth, for
         example fluid={"compression": 0.001}.
         """
-        name = name or self._free_name("bodies", "body")
-        fill = list(fill)
-        if positions is not None:
-            fill.append({"file": self._particles(name, positions, velocities)})
-        if box is not None:
-            fill.append({"box": _box(box)})
+        name = self._name(name, "bodies", "body")
+        if not isinstance(fill, (list, tuple)):
+            raise wrong_type("fill", "a list of dictionaries", fill)
+        arrays = None if positions is None else _particles(name, positions, velocities)
+        fill = [*fill, *([{"file": arrays.file}] if arrays else []),
+                *([{"box": _box(box)}] if box is not None else [])]
         particles = _given(radius=radius, rest_density=rest_density, fill=fill or None,
                            inlets=inlets, budget=budget, overlap=overlap)
-        return self._add_body(name, "particles", particles, velocity, constraints)
+        return self._add_body(name, "particles", particles, velocity, constraints, arrays)
 
     def add_solid(self, vertices: Any = None, triangles: Any = None, *,
                   name: Optional[str] = None, box: Optional[Box] = None,
@@ -206,11 +205,11 @@ class Scene:
         mesh, the path of a file; or sphere, capsule, plane as in a scene file. Further keys of a
         scene file: open, scale, rotate, translate, motion, pivot.
         """
-        name = name or self._free_name("solids", "solid")
-        if vertices is not None:
-            mesh = self._mesh(name, vertices, triangles)
+        name = self._name(name, "solids", "solid")
+        arrays = None if vertices is None else _mesh(name, vertices, triangles)
+        mesh = arrays.file if arrays else mesh
         self._append("solids", _given(name=name, box=None if box is None else _box(box), mesh=mesh,
-                                      **keys))
+                                      **keys), arrays)
         return name
 
     # ---- simulation -----------------------------------------------------------------------------
@@ -222,68 +221,105 @@ class Scene:
 
     # ---- parts ----------------------------------------------------------------------------------
 
-    def _mesh(self, name: str, vertices: Any, triangles: Any) -> str:
-        x, t = doubles(vertices, (None, 3), "vertices"), indices(triangles, (None, 3), "triangles")
-        file = f"{name}.ply"
-        self._handle.call(lib.pdyn_scene_mesh, file.encode(), len(x), address(x), len(t),
-                          address(t))
-        return file
-
-    def _particles(self, name: str, positions: Any, velocities: Any) -> str:
-        x = doubles(positions, (None, 3), "positions")
-        v = None if velocities is None else doubles(velocities, x.shape, "velocities")
-        file = f"{name}.ply"
-        self._handle.call(lib.pdyn_scene_particles, file.encode(), len(x), address(x), address(v))
-        return file
+    def _set(self, path: str, value: str) -> None:
+        self._handle.call(lib.pdyn_scene_set, path.encode(), b"%s", value.encode())
 
     def _add_body(self, name: str, form: str, shape: dict[str, Any], velocity: Any,
-                  constraints: dict[str, Constraints]) -> str:
+                  constraints: dict[str, Constraints], arrays: Optional[_Arrays]) -> str:
         parts = [{"type": kind, **part} for kind, given in constraints.items()
                  for part in _parts(kind, given)]
         self._append("bodies", _given(name=name, velocity=velocity, **{form: shape},
-                                      constraints=parts))
+                                      constraints=parts), arrays)
         return name
 
-    def _append(self, key: str, entry: dict[str, Any]) -> None:
-        self[f"{key}.{len(self.to_dict().get(key, []))}"] = entry
+    def _append(self, key: str, entry: dict[str, Any], arrays: Optional[_Arrays]) -> None:
+        """Adds an element and its arrays, or nothing if one of both is not valid."""
+        path = f"{key}.{len(self.to_dict().get(key, []))}"
+        value = _json(path, entry)
+        if arrays:
+            self._handle.call(arrays.function, arrays.file.encode(), *arrays.arguments)
+        self._set(path, value)
 
-    def _free_name(self, key: str, word: str) -> str:
-        """The name that the library gives to a new last element, or the next one that is free."""
-        entries = self.to_dict().get(key, [])
-        taken = {entry.get("name", f"{word}{k}") for k, entry in enumerate(entries)}
-        k = len(entries)
+    def _name(self, name: Optional[str], key: str, word: str) -> str:
+        """The name of a new element: the given one, which nothing else may have, or a free one."""
+        values = self.to_dict()
+        taken = {entry.get("name", f"{other}{k}") for list_, other in _NAMED
+                 for k, entry in enumerate(values.get(list_, []))}
+        if name:
+            if text(name, "name") in taken:
+                raise InputError(f'name: "{name}" is already taken by another body, solid or probe')
+            return name
+        k = len(values.get(key, []))  # the library gives this name to a new last element
         while f"{word}{k}" in taken:
             k += 1
         return f"{word}{k}"
 
 
+_NAMED = (("bodies", "body"), ("solids", "solid"), ("probes", "probe"))
+
+
+class _Arrays(NamedTuple):
+    """Arrays that stand for a file of the scene, and the function of the library that takes them."""
+    file: str
+    function: Callable[..., int]
+    arguments: tuple[Any, ...]
+    kept: tuple[Any, ...]  # the arrays of the addresses among the arguments
+
+
+def _mesh(name: str, vertices: Any, triangles: Any) -> _Arrays:
+    x, t = doubles(vertices, (None, 3), "vertices"), indices(triangles, (None, 3), "triangles")
+    return _Arrays(f"{name}.ply", lib.pdyn_scene_mesh, (len(x), address(x), len(t), address(t)),
+                   (x, t))
+
+
+def _tets(name: str, vertices: Any, tets: Any) -> _Arrays:
+    x, t = doubles(vertices, (None, 3), "vertices"), indices(tets, (None, 4), "tets")
+    return _Arrays(f"{name}.msh", lib.pdyn_scene_tets, (len(x), address(x), len(t), address(t)),
+                   (x, t))
+
+
+def _particles(name: str, positions: Any, velocities: Any) -> _Arrays:
+    x = doubles(positions, (None, 3), "positions")
+    v = None if velocities is None else doubles(velocities, x.shape, "velocities")
+    return _Arrays(f"{name}.ply", lib.pdyn_scene_particles, (len(x), address(x), address(v)), (x, v))
+
+
 def load(path: Path, overrides: Optional[dict[str, Any]] = None, *, threads: int = 0,
          allow_plugins: bool = False) -> Simulation:
     """Loads a scene file. overrides: values by their path, e.g. {"solver.type": "cholesky"}."""
-    context = new_context(threads, allow_plugins)
+    if not isinstance(overrides, (dict, type(None))):
+        raise wrong_type("overrides", "a dictionary", overrides)
+    file, context = path_of(path, "path"), new_context(threads, allow_plugins)
     texts = [f"{key}={_json(key, value)}".encode() for key, value in (overrides or {}).items()]
-    sim = context.make(lib.pdyn_load, os.fsencode(path), (c_char_p * len(texts))(*texts),
+    sim = context.make(lib.pdyn_load, file, (c_char_p * len(texts))(*texts),
                        len(texts))
     return Simulation(Handle(sim, lib.pdyn_free, context))
 
 
 def _new(make: Callable[..., int], name: Path, threads: int, allow_plugins: bool) -> Handle:
     """A scene in a context of its own."""
-    context = new_context(threads, allow_plugins)
-    return Handle(context.make(make, os.fsencode(name)), lib.pdyn_scene_free, context)
+    file, context = path_of(name, "path"), new_context(threads, allow_plugins)
+    return Handle(context.make(make, file), lib.pdyn_scene_free, context)
 
 
 def _json(path: str, value: Any) -> str:
     """A value as JSON text; path: of the value, for messages."""
     try:
         return json.dumps(value, default=_plain, allow_nan=False)
-    except (TypeError, ValueError) as error:
+    except TypeError as error:
+        raise TypeError(f"{path}: {error}") from None
+    except ValueError as error:
         raise InputError(f"{path}: {error}") from None
 
 
 def _plain(value: Any) -> Any:
     """Paths and numpy's arrays and numbers as JSON has them."""
-    return os.fspath(value) if isinstance(value, os.PathLike) else np.asarray(value).tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    array = np.asarray(value)
+    if array.dtype.kind not in "biufU":
+        raise TypeError(f"expected numbers, texts, lists or dictionaries, found {type(value).__name__}")
+    return array.tolist()
 
 
 def _names(values: dict[str, Any], key: str, word: str, before: str = "") -> str:

@@ -1,7 +1,6 @@
 """Simulations: steps, state, results."""
 from __future__ import annotations
 
-import os
 from ctypes import byref, c_size_t, create_string_buffer, sizeof
 from dataclasses import dataclass
 from typing import Any, Iterator, Optional, Union
@@ -13,15 +12,16 @@ from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
 from ._names import Names
-from ._paths import Path
+from ._paths import Path, path as path_of
 from ._structs import State, StepInfo, WarningInfo
 from .body import Body
 from .constraint import Constraint
+from .errors import InputError
 from .probe import Probe, probes_of
 from .rigid import body_of
+from .run import Run
 from .solid import Solid
 from .writer import Writer
-
 
 
 @dataclass(frozen=True)
@@ -76,11 +76,15 @@ class Simulation(Fixed):
         return info
 
     def run(self, until: Optional[float] = None) -> Iterator[StepInfo]:
-        """Steps up to the time `until`, s, or the duration of the scene, and gives the results of
-        every step. The last step may end after it, unless it is the time of a frame."""
+        """An iterator that computes a step and gives its results, up to the time `until`, s, or the
+        duration of the scene. The last step may end after it, unless it is the time of a frame.
+        InputError: `until` is below 0, or more than a frame interval, the longest step, before the
+        time."""
         end = self.duration if until is None else number(until, "until")
-        while not lib.pdyn_has_reached(self._handle.pointer, end):
-            yield self.step()
+        if until is not None and not end >= max(0.0, self.time - self.frame_interval):
+            raise InputError(f"until: expected a time after the present one, {self.time:.6g} s, "
+                             f"found {end:g} s")
+        return Run(self.step, lambda: lib.pdyn_has_reached(self._handle.pointer, end))
 
     @property
     def time(self) -> float:
@@ -139,7 +143,7 @@ class Simulation(Fixed):
 
     def save(self, path: Path) -> None:
         """Saves the state to a file."""
-        self._handle.call(lib.pdyn_save, os.fsencode(path))
+        self._handle.call(lib.pdyn_save, path_of(path, "path"))
 
     def state(self) -> bytes:
         """The state in memory: the bytes of the file that save writes."""
@@ -156,7 +160,7 @@ class Simulation(Fixed):
         if isinstance(state, bytes):
             self._handle.call(lib.pdyn_restore_memory, state, len(state))
         else:
-            self._handle.call(lib.pdyn_restore, os.fsencode(state))
+            self._handle.call(lib.pdyn_restore, path_of(state, "state"))
 
     # ---- results --------------------------------------------------------------------------------
 

@@ -7,8 +7,9 @@ from typing import Any
 
 from ._handles import Handle
 from ._library import lib
-from ._paths import Path
+from ._paths import Path, path as path_of
 from ._structs import StepInfo
+from .errors import wrong_type
 
 
 class Writer:
@@ -23,8 +24,8 @@ class Writer:
     """
 
     def __init__(self, handle: Handle, directory: Path, ply: bool, resume: bool) -> None:
+        path = path_of(directory, "directory")
         self.directory = os.fspath(directory)
-        path = os.fsencode(directory)
         writer = (handle.make(lib.pdyn_writer_resume, path) if resume
                   else handle.make(lib.pdyn_writer_open, path, ply))
         self._handle = Handle(writer, lib.pdyn_writer_close, handle)
@@ -33,6 +34,8 @@ class Writer:
 
     def step(self, info: StepInfo) -> None:
         """Writes the row of a step in metrics.csv, and a frame if the step reached one."""
+        if not isinstance(info, StepInfo):
+            raise wrong_type("info", "the result of a step", info)
         self._handle.call(lib.pdyn_writer_step_sized, byref(info), sizeof(info))
         if info.frame:
             self.frame()

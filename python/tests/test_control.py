@@ -93,13 +93,17 @@ class Control(unittest.TestCase):
         for text, call, arguments in (
                 ("a step from 1e-09 to 1000 s, found 0 s", sim.step, [0]),
                 ("a step from .*, found nan s", sim.step, [np.nan]),
-                ("h: expected an array of numbers", sim.step, ["fast"]),
                 ("h: expected the shape 1, found 2", sim.step, [[0.1, 0.2]]),
                 ("a vertex from 0 to 80, found 81", sheet.hold, [81, [0, 0, 0]]),
-                ("a vertex from 0 to 80, found 1.5", sheet.hold, [1.5, [0, 0, 0]]),
-                ("a vertex from 0 to 80, found two", sheet.release, ["two"]),
-                ("stiffness: expected an array of numbers", sheet.hold, [1, [0, 0, 0], "soft"])):
+                ("a vertex from 0 to 80, found -1", sheet.release, [-1])):
             with self.assertRaisesRegex(projdyn.InputError, text):
+                call(*arguments)
+        for text, call, arguments in (
+                ("h: expected numbers, found str", sim.step, ["fast"]),
+                ("vertex: expected a whole number, .* found float", sheet.hold, [1.5, [0, 0, 0]]),
+                ("vertex: expected a whole number, .* found str", sheet.release, ["two"]),
+                ("stiffness: expected numbers, found str", sheet.hold, [1, [0, 0, 0], "soft"])):
+            with self.assertRaisesRegex(TypeError, text):
                 call(*arguments)
 
     def test_one_force_for_all(self):

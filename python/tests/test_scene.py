@@ -169,6 +169,40 @@ class Mistakes(unittest.TestCase):
                    area_density=1, spring=3)
         self.assertEqual(scene["bodies"], [])
 
+    def test_types(self):
+        scene = projdyn.Scene(threads=1)
+        for text, call in [("name: expected a text, found int", lambda: projdyn.Scene(3)),
+                           ("threads: expected a whole number, found str", lambda: projdyn.Scene(threads="2")),
+                           ("path: expected a path, found dict", lambda: projdyn.Scene.open({})),
+                           ("path: expected a path, found int", lambda: projdyn.load(3)),
+                           ("overrides: expected a dictionary", lambda: projdyn.load("a.json", ["b=3"])),
+                           ("path: expected a path, found int", lambda: scene.write(3)),
+                           ("path: expected a text, found int", lambda: scene[0]),
+                           ("name: expected a text, found int", lambda: scene.add_solid(name=3, plane={})),
+                           ("vertices: expected numbers, found str", lambda: scene.add_solid("mesh.ply")),
+                           ("fill: expected a list", lambda: scene.add_fluid(radius=1, fill={"box": 1})),
+                           ("bodies.0: .* found object", lambda: scene.add_fluid(radius=object()))]:
+            with self.assertRaisesRegex(TypeError, text):
+                call()
+
+    def test_a_failed_body_leaves_nothing(self):
+        """Neither an element nor arrays: those of the sheet of this name stay."""
+        vertices, triangles = square()
+        scene = projdyn.Scene(threads=1)
+        scene.add_cloth(vertices, triangles, name="sheet", area_density=1, spring={"stretching_stiffness": 10})
+        scene.add_solid(vertices, triangles, name="wall")
+        before = scene.to_text()
+        for text, keys in [('name: "sheet" is already taken', {"area_density": 1, "name": "sheet"}),
+                           ('name: "wall" is already taken', {"area_density": 1, "name": "wall"}),
+                           ("spring: expected the parameters", {"area_density": 1, "spring": 3}),
+                           ("bodies.1: .*JSON", {"area_density": float("nan")})]:
+            self.fails(text, scene.add_cloth, 2 * vertices, triangles, **{"name": "other", **keys})
+        self.assertEqual(scene.to_text(), before)
+        np.testing.assert_array_equal(scene.load().bodies["sheet"].x, vertices)
+        with tempfile.TemporaryDirectory() as directory:
+            scene.write(pathlib.Path(directory, "scene.json"))
+            self.assertEqual({"scene.json", "sheet.ply", "wall.ply"}, set(os.listdir(directory)))
+
     def test_files(self):
         with self.assertRaisesRegex(projdyn.Error, "no_such.json"):
             projdyn.load("no_such.json")

@@ -9,6 +9,7 @@ import subprocess
 import tempfile
 import threading
 import unittest
+import warnings
 
 import numpy as np
 
@@ -30,6 +31,46 @@ class Steps(unittest.TestCase):
         self.assertEqual(infos[0].pin_reaction, tuple(infos[0].pin_reaction))
         self.assertLess(abs(infos[0].momentum[0]), 1e-9)
         self.assertIn("step to 0.01 s", repr(infos[0]))
+
+    def test_run_without_a_loop(self):
+        sim = hanging_sheet(duration=0.1, frame_interval=0.01, time_step={"fixed": 0.01}).load()
+        with self.assertWarnsRegex(RuntimeWarning, "for info in sim.run") as caught:
+            sim.run()
+        self.assertEqual(pathlib.Path(caught.filename).name, "test_simulation.py")
+        self.assertEqual(sim.time, 0)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            for info in sim.run():
+                break
+            run = sim.run(until=0.05)
+            next(run)
+            run = None
+            self.assertEqual(len(list(sim.run())), 8)
+            self.assertEqual(list(sim.run()), [])
+
+    def test_run_until_the_past(self):
+        sim = hanging_sheet(duration=0.1, frame_interval=0.01, time_step={"fixed": 0.01}).load()
+        for wrong in (-1, -1e-9, float("nan")):
+            with self.assertRaisesRegex(projdyn.InputError, "until: expected a time after the present one, 0 s"):
+                sim.run(until=wrong)
+        list(sim.run())
+        with self.assertRaisesRegex(projdyn.InputError, "until: .* present one, 0.1 s, found 0.05 s"):
+            sim.run(until=0.05)
+        self.assertEqual(list(sim.run(until=0.095)), [])  # a loop whose times are closer than steps
+
+    def test_wrong_types(self):
+        sim = hanging_sheet().load()
+        for text, call in [("until: expected numbers, found str", lambda: sim.run(until="1")),
+                           ("h: expected numbers, found dict", lambda: sim.step({})),
+                           ("path: expected a path, found int", lambda: sim.save(3)),
+                           ("state: expected a path, found NoneType", lambda: sim.restore(None)),
+                           ("directory: expected a path, found int", lambda: sim.write(3)),
+                           ("points: expected numbers, found list", lambda: sim.fluid_at([[0, 0, None]]))]:
+            with self.assertRaisesRegex(TypeError, text):
+                call()
+        with tempfile.TemporaryDirectory() as directory, sim.write(directory) as writer:
+            with self.assertRaisesRegex(TypeError, "info: expected the result of a step, found float"):
+                writer.step(0.1)
 
     def test_finished(self):
         """49 steps of 1/49 s: their sum is less than 1 s by rounding."""
