@@ -49,7 +49,10 @@ static int check_plugins_in_child(const struct scene_options *options) {
         return EXIT_FAILED;
     }
     if (WIFEXITED(status)) return WEXITSTATUS(status);
-    printf("fault: the plug-in crashed (%s)\n", strsignal(WTERMSIG(status)));
+    printf(
+        "fault: the plug-in crashed (%s); a type that reads triangles, edges or tetrahedra of its "
+        "body says PDYN_ON_SURFACE or PDYN_ON_VOLUME\n",
+        strsignal(WTERMSIG(status)));
     return EXIT_FAILED;
 }
 

@@ -153,12 +153,14 @@ static void test_parameters(void **state) {
     refuse_param((pdyn_param){"l", PDYN_REAL, length, false, 0, 0, 1, NULL, ""}, "no unit");
     refuse_param((pdyn_param){"l", PDYN_VECTOR, length, false, 0, 0, 1, "", ""}, "outside");
     refuse_param((pdyn_param){"l", PDYN_REAL, length, false, 0, 2, 1, "", ""}, "not ordered");
+    refuse_param((pdyn_param){"l", PDYN_REAL, length, false, 2, 0, 1, "", ""}, "above its bounds");
     refuse_param((pdyn_param){"stiffness", PDYN_REAL, length, false, 0, 0, 1, "", ""}, "twice");
     refuse_param((pdyn_param){"l", PDYN_INT, 4, false, 0, 0, 1, "", ""}, "overlaps");
     refuse_table(PDYN_TABLE(PDYN_PER_TET, 3), 0, "needs PDYN_ON_VOLUME");
     refuse_table(PDYN_TABLE(PDYN_PER_VERTEX, 3), 0, "needs PDYN_ON_SURFACE or PDYN_ON_VOLUME");
     refuse_table(PDYN_TABLE(PDYN_ROWS, 0), 0, "no numbers");
     refuse_table(PDYN_TABLE(PDYN_ROWS, 1), 2, "not ordered");
+    refuse_param((pdyn_param){"l", PDYN_INT, length, false, 9, 0, 1, "", ""}, "above its bounds");
     refuse_table(PDYN_TABLE(PDYN_PER_TET, 256), 0, "kind");
 }
 

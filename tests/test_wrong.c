@@ -207,7 +207,54 @@ static void test_values(void **state) {
     t = good, t.select = select_counting, wrong_expect(t, "select gives another coefficient");
     t = good, t.elements = elements_counting, wrong_expect(t, "elements gives another number");
     t = good, t.elements = elements_negative, wrong_expect(t, "elements");
-    t = good, t.elements = elements_none, wrong_expect(t, "no element on a body");
+    t = good, t.elements = elements_none, wrong_expect(t, "`elements` is 0 on a surface");
+    t = good, t.flags = 0, wrong_expect(t, "triangles, edges and tetrahedra: say PDYN_ON_SURFACE");
+}
+
+/* ---- weights that change --------------------------------------------------------------------- */
+
+static void weight_of_time(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++)
+        b->weight[e] = ((const struct params *)par)->stiffness * (b->time < 0.5 ? 1.0 : 0.5);
+}
+
+static void weight_of_step(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++)
+        b->weight[e] = ((const struct params *)par)->stiffness * (1.0 + b->h);
+}
+
+static void weight_of_memory(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++)
+        b->weight[e] = ((const struct params *)par)->stiffness / (1.0 + ((double *)b->memory)[e]);
+}
+
+/* Damage: the largest strain so far. */
+static void end_of_damage(const void *par, const pdyn_batch *b, int first, int last) {
+    double *m = b->memory;
+    (void)par;
+    for (int e = first; e < last; e++)
+        m[e] = fmax(m[e], fabs(vec3_length(b->u + 3 * e) / length(b, e) - 1.0));
+}
+
+static void begin_nothing(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par, (void)b, (void)first, (void)last;
+}
+
+static void expect_begin(pdyn_constraint_type t, const char *expected) {
+    wrong_expect(t, expected);
+    t.begin = begin_nothing, wrong_expect(t, NULL);
+}
+
+/* Such weights are computed once, unless the type has a `begin`. */
+static void test_weights_that_change(void **state) {
+    (void)state;
+    pdyn_constraint_type t = good;
+    t.damping = NULL, t.damping_rest = NULL;
+    t.weight = weight_of_time, expect_begin(t, "weight depends on `time`, but without `begin`");
+    t.weight = weight_of_step, expect_begin(t, "weight depends on the length of the step");
+    t.weight = weight, t.memory_size = sizeof(double), t.end = end_of_damage;
+    wrong_expect(t, NULL);
+    t.weight = weight_of_memory, expect_begin(t, "weight depends on `memory`");
 }
 
 /* ---- mathematics ----------------------------------------------------------------------------- */
@@ -377,6 +424,7 @@ static void test_mathematics(void **state) {
     t.project = project_never, t.tangent = tangent_identity, wrong_expect(t, "not exercised");
     t = good, t.energy = energy, wrong_expect(t, "is not that of the energy");
     t = good, t.select = select_one, wrong_expect(t, "say PDYN_ANCHORED");
+    wrong_expect(t, "the coefficients of row 0 sum to ");
     t = good, t.tangent = tangent_transposed, wrong_expect(t, "an asymmetric J");
     t = good, t.tangent = tangent_none, wrong_expect(t, "tangent is not that of project");
     t = good, t.tangent = tangent_large, wrong_expect(t, "an eigenvalue outside of [0, 1]");
@@ -500,10 +548,15 @@ static void test_solvers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_good),        cmocka_unit_test(test_vertices),
-        cmocka_unit_test(test_writes),      cmocka_unit_test(test_values),
-        cmocka_unit_test(test_energy),      cmocka_unit_test(test_numeric_tangent),
-        cmocka_unit_test(test_mathematics), cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_good),
+        cmocka_unit_test(test_vertices),
+        cmocka_unit_test(test_writes),
+        cmocka_unit_test(test_weights_that_change),
+        cmocka_unit_test(test_values),
+        cmocka_unit_test(test_energy),
+        cmocka_unit_test(test_numeric_tangent),
+        cmocka_unit_test(test_mathematics),
+        cmocka_unit_test(test_solvers),
     };
     return cmocka_run_group_tests_name("wrong", tests, NULL, NULL);
 }

@@ -83,8 +83,8 @@ typedef struct pdyn_param {
     size_t offset;    /* in the parameter struct */
     bool required;    /* true: there is no default, the scene must give the parameter */
     double def;       /* default of PDYN_REAL, PDYN_INT, PDYN_BOOL and of each number of PDYN_VECTOR
-                         and PDYN_TABLE; outside of the bounds: the parameter is absent unless the
-                         scene gives it */
+                         and PDYN_TABLE; below the bounds, or NAN: the parameter is absent unless
+                         the scene gives it, and its number is this one; above them: an error */
     double min, max;  /* bounds of the same kinds; both are allowed values */
     const char *unit; /* "N/m", "1" for a ratio, "" without a unit */
     const char *doc;
@@ -426,7 +426,9 @@ typedef struct pdyn_constraint_type {
                       int *width);
     /* Fills column, coefficient and data. */
     void (*select)(const void *params, const pdyn_batch *batch, int first, int last);
-    /* Fills weight, which must not depend on u. */
+    /* Fills weight, which must not depend on u. Called once, and when parameters change; with
+     * `begin` or `update`, in every step. A weight that depends on `memory`, on `time` or on the
+     * length of the step needs a `begin`, which may do nothing. */
     void (*weight)(const void *params, const pdyn_batch *batch, int first, int last);
     /* Fills p from u; finite for any u, also 0. Without `energy`, p is the point of the manifold
      * closest to u. */

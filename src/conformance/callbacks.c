@@ -150,10 +150,51 @@ static void check_energy(struct check *check, const struct batch *b) {
               sum, RANGES);
 }
 
+/* Whether weight gives another weight in the view of `a` than in that of b. */
+static bool weighs_otherwise(struct guarded *a, const struct guarded *b,
+                             const struct call *weight) {
+    guarded_run(a, weight, 0, a->view.elements);
+    return memcmp(a->view.weight, b->view.weight, a->array[WEIGHT].bytes) != 0;
+}
+
+/* Weights of a type without begin and update are computed once: they may not depend on what changes
+ * from step to step. b has the weights at the state of the trial. */
+static void check_lasting_weight(struct check *check, struct guarded *a, const struct guarded *b,
+                                 const struct call *weight) {
+    static const double times[] = {0.1, 1.0, 10.0, 1000.0};
+    const pdyn_constraint_type *t = a->from->type;
+    const struct call end = call_of("end", t->end, 1u << MEMORY);
+    const pdyn_batch view = a->view;
+    const char *changes = NULL;
+    if (t->begin || t->update) return;
+    for (int k = 0; k < 4 && !changes; k++) {
+        a->view.time = times[k];
+        if (weighs_otherwise(a, b, weight)) changes = "`time`";
+    }
+    a->view = view, a->view.h *= 2.0, a->view.length *= 2.0;
+    if (!changes && weighs_otherwise(a, b, weight)) changes = "the length of the step";
+    a->view = view;
+    if (t->end) {
+        guarded_run(a, &end, 0, a->view.elements);
+        if (!changes && weighs_otherwise(a, b, weight)) changes = "`memory`";
+        memcpy(guarded_array(a, MEMORY), a->from->view.memory, a->array[MEMORY].bytes);
+    }
+    weighs_otherwise(a, b, weight);
+    if (changes)
+        fault(check,
+              "weight depends on %s, but without `begin` it is not called in every step: add one, "
+              "even "
+              "an empty one",
+              changes);
+}
+
 static void check_weight(struct check *check, struct guarded *a, struct guarded *b) {
     const struct call weight = call_of("weight", a->from->type->weight, 1u << WEIGHT);
+    int faults = check->faults;
     guarded_compare(check, a, b, &weight, 1u << WEIGHT);
-    if (memcmp(a->view.weight, a->from->view.weight, a->array[WEIGHT].bytes))
+    if (check->faults == faults) check_lasting_weight(check, a, b, &weight);
+    if (check->faults == faults &&
+        memcmp(a->view.weight, a->from->view.weight, a->array[WEIGHT].bytes))
         fault(check, "weight gives another weight at other positions");
     for (int e = 0; e < a->view.elements; e++)
         if (!(a->view.weight[e] >= 0.0 && isfinite(a->view.weight[e]))) {
@@ -186,11 +227,23 @@ static void check_others(struct check *check, struct guarded *a, struct guarded 
     if (t->end) guarded_compare(check, a, b, &end, 1u << MEMORY);
 }
 
+static void report_no_element(struct check *check) {
+    static const char *const text[BODY_KINDS] = {
+        [SURFACE] =
+            "a surface, which has triangles and edges but no tetrahedra: say PDYN_ON_VOLUME "
+            "or PDYN_ON_PARTICLES, whichever it needs",
+        [PARTICLES] = "a body of particles, which has no triangles, edges and tetrahedra: say "
+                      "PDYN_ON_SURFACE or PDYN_ON_VOLUME, whichever it needs",
+        [VOLUME] = "a soft solid, which has triangles, edges and tetrahedra: say PDYN_ON_PARTICLES "
+                   "if it needs particles"};
+    fault(check, "`elements` is 0 on %s", text[check->kind]);
+}
+
 void check_callbacks(struct check *check, struct trial *trial) {
     struct guarded a, b;
     batch_local(trial->rows, trial->x, 0.0, trial->y);
     if (!trial->rows->view.elements) {
-        if (!check->type->update) fault(check, "no element on a body of this kind");
+        if (!check->type->update) report_no_element(check);
         return;
     }
     check_shape(check, trial->rows);

@@ -251,6 +251,33 @@ void check_work(struct check *check, struct trial *t) {
             change, work);
 }
 
+/* The first row whose coefficients do not sum to zero, and the sum; -1: none. */
+static int find_anchored_row(const struct batch *b, double *sum) {
+    const pdyn_batch *v = &b->view;
+    for (int r = 0; r < b->rows; r++) {
+        double size = 0.0;
+        *sum = 0.0;
+        for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
+            *sum += v->coefficient[k], size += fabs(v->coefficient[k]);
+        if (fabs(*sum) > 1e-12 * size) return r;
+    }
+    return -1;
+}
+
+static void report_momentum(struct check *check, const struct batch *rows, double force) {
+    double sum;
+    int row = find_anchored_row(rows, &sum);
+    if (row < 0)
+        fault(check, "its forces do not sum to zero, but to %.3g N: say PDYN_ANCHORED", force);
+    else
+        fault(
+            check,
+            "its forces do not sum to zero, but to %.3g N, because the coefficients of row %d sum "
+            "to %.3g: say PDYN_ANCHORED if it holds a body in place, otherwise they should sum "
+            "to 0",
+            force, row, sum);
+}
+
 /* The forces of a type without PDYN_ANCHORED sum to zero. */
 void check_momentum(struct check *check, struct trial *t) {
     double sum[3] = {0};
@@ -259,8 +286,7 @@ void check_momentum(struct check *check, struct trial *t) {
     batch_local(t->batch, t->x, 0.0, t->y);
     for (int k = 0; k < t->n; k++) sum[k % 3] += t->y[k];
     if (!(trial_norm(sum, 3) <= 1e-9 * sqrt(t->n) * trial_norm(t->y, t->n)))
-        fault(check, "its forces do not sum to zero, but to %.3g N: say PDYN_ANCHORED",
-              trial_norm(sum, 3));
+        report_momentum(check, t->rows, trial_norm(sum, 3));
 }
 
 /* ---- H --------------------------------------------------------------------------------------- */

@@ -57,7 +57,7 @@ static const char *const format_of[] = {[PDYN_REAL] = ", \"%s\": %.17g",
                                         [PDYN_BOOL] = ", \"%s\": true",
                                         [PDYN_VECTOR] = ", \"%s\": [%.17g, %.17g, %.17g]",
                                         [PDYN_VERTICES] = ", \"%s\": {\"vertices\": [0, 4]}",
-                                        [PDYN_PATH] = ", \"%s\": [[0, 0, 0, 0]]",
+                                        [PDYN_PATH] = ", \"%s\": [[0, 0, 0, 0], [1, 0.1, 0, 0]]",
                                         [PDYN_OTHER] = ", \"%s\": \"other\""};
 
 /* A vertex for a column: those of the first cell of the grid, which span it, then further ones. */
