@@ -83,8 +83,8 @@ typedef struct pdyn_param {
     size_t offset;    /* in the parameter struct */
     bool required;    /* true: there is no default, the scene must give the parameter */
     double def;       /* default of PDYN_REAL, PDYN_INT, PDYN_BOOL and of each number of PDYN_VECTOR
-                         and PDYN_TABLE; below the bounds, or NAN: the parameter is absent unless
-                         the scene gives it, and its number is this one; above them: an error */
+                         and PDYN_TABLE; below the bounds, or not finite: the parameter is absent
+                         unless the scene gives it, and has this number; above them: an error */
     double min, max;  /* bounds of the same kinds; both are allowed values */
     const char *unit; /* "N/m", "1" for a ratio, "" without a unit */
     const char *doc;

@@ -70,9 +70,8 @@ static const char *param_fault(const pdyn_constraint_type *type, const pdyn_para
         return "it lies outside of params_size";
     bool bounded = (p->kind <= PDYN_VECTOR && p->kind != PDYN_BOOL) || param_is_table(p);
     if (bounded && !(p->min <= p->max)) return "its bounds are not ordered";
-    if (bounded && !p->required && p->def > p->max)
-        return "its default is above its bounds; only one below them, which means none, is not "
-               "within them";
+    if (bounded && !p->required && isfinite(p->def) && p->def > p->max)
+        return "its default is above its bounds; one below them, or NAN, means that there is none";
     if (param_is_table(p) && table_fault(type, p)) return table_fault(type, p);
     for (const pdyn_param *q = type->params; q < p; q++) {
         if (!strcmp(q->name, p->name)) return "its name is given twice";
