@@ -142,8 +142,10 @@ static void release(struct trace *t) {
 }
 
 int main(int argc, char **argv) {
-    if (argc < 2)
-        die("usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS [KEY=VALUE...]]]");
+    static const char usage[] =
+        "usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS [KEY=VALUE...]]]";
+    if (argc < 2) die(usage);
+    if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h")) return puts(usage), 0;
     double warm = argc > 2 ? atof(argv[2]) : 0.2;
     int projective = argc > 3 ? atoi(argv[3]) : 1000;
     struct input input = {argv[1], argv + 4, argc > 4 ? argc - 4 : 0};

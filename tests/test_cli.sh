@@ -104,6 +104,8 @@ else
     expect "view without a scene" 2 "expected one scene" "$program" view
     expect "port of none" 2 "from 1 to 65535" "$program" view "$scene" --port 0
 fi
+expect "plug-in instead of a scene" 2 "check --conformance FILE" "$program" check "$program"
+expect "type of a plug-in" 2 "types of a plug-in: projdyn list --plugin FILE" "$program" list muscle
 expect "run without a scene" 2 "expected one scene" "$program" run
 expect "missing scene" 2 "nowhere.json" "$program" run "$dir/nowhere.json" -o "$dir/out"
 expect "run without a fluid" 0 "s of wall time, residual " "$program" run "$root/scenes/hanging_cloth.json" \

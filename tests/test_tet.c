@@ -342,7 +342,7 @@ static void test_bad_files(void **state) {
     test_write_text("bad.msh", "$MeshFormat\n4.1 0 8\n$Nodes\n1 1 1 1\n3 1 0 99999999\n1\n");
     refuse("bad.msh", "cannot be in a file");
     test_write_text("bad.msh", "$MeshFormat\n4.1 1 8\n");
-    refuse("bad.msh", "expected 0 for an ASCII file");
+    refuse("bad.msh", "it is a binary file of Gmsh, expected an ASCII one: gmsh FILE.msh -save");
     test_remove_file("bad.msh");
 }
 

@@ -64,8 +64,27 @@ void text_clip(char *text, size_t size, const char *from) {
     strcpy(text + keep, keep < length ? "..." : "");
 }
 
+/* Words of other programs, each before the key that has its meaning here. */
+static const char *const translations[][2] = {{"fps", "frame_interval"},
+                                              {"framerate", "frame_interval"},
+                                              {"frame_rate", "frame_interval"},
+                                              {"dt", "time_step"},
+                                              {"dt", "fixed"},
+                                              {"substeps", "time_step"},
+                                              {"end", "duration"},
+                                              {"time", "duration"},
+                                              {"end_time", "duration"}};
+
+static const char *translate(const char *word, const char *const *names, int count) {
+    for (size_t k = 0; k < sizeof translations / sizeof *translations; k++)
+        for (int i = 0; i < count && !strcmp(word, translations[k][0]); i++)
+            if (!strcmp(names[i], translations[k][1])) return names[i];
+    return NULL;
+}
+
 void text_hint(char *text, size_t size, const char *word, const char *const *names, int count) {
-    const char *nearest = text_closest(word, names, count);
+    const char *nearest = translate(word, names, count);
+    if (!nearest) nearest = text_closest(word, names, count);
     if (nearest) text_append(text, size, "; did you mean \"%s\"?", nearest);
     for (int i = 0; i < count; i++)
         text_append(text, size, "%s%s", i ? ", " : "; known: ", names[i]);

@@ -238,14 +238,17 @@ static pdyn_status read_blocks(struct reader *r, const char *section,
 
 static pdyn_status parse_msh(struct reader *r) {
     double version = 0.0;
-    long binary, size;
+    long binary = 0, size;
     r->named = true;
     pdyn_status status = find_section(r->file, "$MeshFormat");
     if (status != PDYN_OK) return status;
     struct mesh_word word = mesh_file_word(r->file);
     if (!mesh_word_number(word, &version) || (version != 2.2 && version != 4.1))
         return mesh_file_expected(r->file, "version 2.2 or 4.1", word);
-    status = read_whole(r->file, "0 for an ASCII file", 0, 0, &binary);
+    status = read_whole(r->file, "0 for an ASCII file, or 1", 0, 1, &binary);
+    if (status == PDYN_OK && binary)
+        return mesh_file_fail(r->file, "it is a binary file of Gmsh, expected an ASCII one: "
+                                       "gmsh FILE.msh -save -format msh41 -o NEW.msh");
     if (status == PDYN_OK) status = read_whole(r->file, "the size of a number", 1, 99, &size);
     if (status != PDYN_OK) return status;
     if (version == 2.2) return parse_2(r);

@@ -151,6 +151,8 @@ static pdyn_status fail_unknown(pdyn_context *context, const char *name) {
         names[count++] = registry_solver_at(context, k)->name;
     text_clip(clipped, sizeof clipped, name);
     text_hint(hint, sizeof hint, name, names, count);
+    if (context->plugins == 1) /* the built-in types */
+        text_append(hint, sizeof hint, "; types of a plug-in: projdyn list --plugin FILE");
     return context_fail(context, PDYN_BAD_INPUT, "no constraint and no solver \"%s\"%s", clipped,
                         hint);
 }

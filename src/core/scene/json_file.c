@@ -205,6 +205,12 @@ static pdyn_status copy_text(pdyn_context *context, const char *text, size_t siz
 static pdyn_status parse(struct json_file *file) {
     json_error_t error = {.text = ""};
     char text[JSON_ERROR_TEXT_LENGTH];
+    if (!strncmp(file->text, "\177ELF", 4))
+        return context_fail(
+            file->context, PDYN_BAD_INPUT,
+            "%.1024s: a program or a shared library, expected a scene; a plug-in is loaded by "
+            "--plugin FILE and checked by projdyn check --conformance FILE",
+            file->name);
     if (!strncmp(file->text, "\xEF\xBB\xBF", 3)) memset(file->text, ' ', 3); /* byte order mark */
     file->root = json_parse(file->text, file->size, JSON_REJECT_DUPLICATES, &error);
     if (!file->root && errno == ENOMEM) return context_no_memory(file->context);
