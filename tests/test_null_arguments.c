@@ -128,6 +128,8 @@ static pdyn_status resume_writer(pdyn_sim *of, const char *directory) {
     X(pdyn_hold(sim, 0, 1.0, NULL))                                                                \
     X(pdyn_release(NULL, 0))                                                                       \
     X(pdyn_move_solid(NULL, 0, 1.0, position, position))                                           \
+    X(pdyn_solid_pose(NULL, 0, force, moment))                                                     \
+    X(pdyn_solid_pose(sim, 0, NULL, moment))                                                       \
     X(pdyn_move_inlet(NULL, 0, 0, 1.0, position, position))                                        \
     X(pdyn_set_inlet_speed(NULL, 0, 0, 1.0, 1.0))                                                  \
     X(pdyn_step_by(NULL, 0.1, NULL))                                                               \

@@ -61,6 +61,10 @@ PDYN_API pdyn_status pdyn_release(pdyn_sim *sim, int particle); /* not held: doe
  * afterwards. PDYN_BAD_INPUT: a solid that has no "motion" in the scene (one key is enough). */
 PDYN_API pdyn_status pdyn_move_solid(pdyn_sim *sim, int solid, double time,
                                      const double translate[3], const double rotate[3]);
+/* The pose that the motion of a solid gives it at the current time, in the same numbers; 0 without
+ * "motion". With contact, a surface may hold the solid up before it (pdyn_solid_vertices). */
+PDYN_API pdyn_status pdyn_solid_pose(const pdyn_sim *sim, int solid, double translate[3],
+                                     double rotate[3]);
 
 /* ---- inlets: nothing ------------------------------------------------------------------------- */
 

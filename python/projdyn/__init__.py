@@ -25,11 +25,11 @@ from .probe import Probe
 from .rigid import Rigid
 from .scene import Scene, load
 from .simulation import Simulation, Warning
-from .solid import Load, Solid
+from .solid import Load, Pose, Solid
 from .writer import Writer
 
 __version__ = version()
 
-__all__ = ["Body", "Constraint", "Error", "Inlet", "InputError", "Load", "Parameter", "Probe",
+__all__ = ["Body", "Constraint", "Error", "Inlet", "InputError", "Load", "Parameter", "Pose", "Probe",
            "Rigid", "Scene", "Simulation", "Solid", "StepError", "StepInfo", "Warning", "Writer", "load",
            "plot", "plot_sweep", "version"]

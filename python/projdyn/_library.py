@@ -77,6 +77,7 @@ FUNCTIONS = {
     "pdyn_hold": (Status, Sim, c_int, c_double, Doubles),
     "pdyn_release": (Status, Sim, c_int),
     "pdyn_move_solid": (Status, Sim, c_int, c_double, Doubles, Doubles),
+    "pdyn_solid_pose": (Status, Sim, c_int, Doubles, Doubles),
     "pdyn_inlets": (c_int, Sim, c_int),
     "pdyn_move_inlet": (Status, Sim, c_int, c_int, c_double, Doubles, Doubles),
     "pdyn_set_inlet_speed": (Status, Sim, c_int, c_int, c_double, c_double),

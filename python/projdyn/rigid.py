@@ -9,6 +9,7 @@ from ._arrays import address, doubles
 from ._handles import Handle
 from ._library import lib
 from .body import POINTS, Body, body_info, end_of_masses
+from .errors import InputError
 
 
 class Rigid(Body):
@@ -61,8 +62,12 @@ class Rigid(Body):
                           address(doubles(forces, (POINTS, 3), "forces")))
 
     def set_pose(self, position: Any, rotation: Any = np.eye(3)) -> None:
-        """Places the body: its centre of mass, m, and its rotation from the place in the scene."""
+        """Places the body: its centre of mass, m, and its rotation from the place in the scene.
+        InputError: the matrix is no rotation, to 1e-6."""
         turn, place = doubles(rotation, (3, 3), "rotation"), doubles(position, (3,), "position")
+        if not np.abs(turn @ turn.T - np.eye(3)).max() <= 1e-6 or np.linalg.det(turn) < 0:
+            raise InputError("rotation: expected a rotation matrix R, with R R' = 1 and the "
+                             "determinant 1")
         now = self.rotation.T @ (self.x - self.position).T
         self.set_positions((place[:, None] + turn @ now).T)
 

@@ -18,6 +18,13 @@ class Load(NamedTuple):
     moment: np.ndarray
 
 
+class Pose(NamedTuple):
+    """Translation, m, and turns, degrees about x, then y, then z through the pivot, three numbers
+    each, both from the place in the scene."""
+    translate: np.ndarray
+    rotate: np.ndarray
+
+
 def load_by(handle: Handle, function: Callable[..., int], index: int,
             source: Optional[str]) -> Load:
     """The load on a solid or a body by a source; None: by all of them."""
@@ -43,6 +50,15 @@ class Solid(Fixed):
         """The load at the end of the last step: pressure and shear of the fluid, contact and
         friction. "fluid" or "contact": the part by this source."""
         return load_by(self._handle, lib.pdyn_solid_load_by, self._index, source)
+
+    @property
+    def pose(self) -> Pose:
+        """The pose that its motion gives it at the present time, as move takes it. With contact, a
+        surface may hold the solid up before it."""
+        pose = Pose(np.empty(3), np.empty(3))
+        self._handle.call(lib.pdyn_solid_pose, self._index, address(pose.translate),
+                          address(pose.rotate))
+        return pose
 
     def move(self, time: float, translate: Any = (0, 0, 0), rotate: Any = (0, 0, 0)) -> None:
         """Moves the solid evenly so that at `time`, s, it has this pose, in which it rests.

@@ -223,11 +223,20 @@ class Control(unittest.TestCase):
         scene.add_cloth(grid={"size": [0.4, 0.4], "vertices": [9, 9]}, name="sheet",
                         area_density=0.2, spring={"stretching_stiffness": 500},
                         bending={"bending_rigidity": 1e-3})
-        scene.add_solid(name="plate", box=([-1, -0.2, -1], [1, -0.05, 1]), motion=[{"time": 0}])
+        scene.add_solid(name="plate", box=([-1, -0.2, -1], [1, -0.05, 1]), motion=[{"time": 0}], pivot=[0.5, 0, 0])
+        scene.add_solid(name="floor", plane={"center": [0, -1, 0], "size": 1, "normal": [0, 1, 0]})
         sim = scene.load()
-        sim.solids["plate"].move(0.2, translate=[0, 0.1, 0])
+        plate = sim.solids["plate"]
+        plate.move(0.2, translate=[0, 0.1, 0])
+        sim.step()
+        np.testing.assert_allclose(plate.pose.translate, [0, 0.5 * sim.time, 0], atol=1e-15)
         for _ in sim.run(until=0.3):
             pass
+        np.testing.assert_allclose(plate.pose, [[0, 0.1, 0], [0, 0, 0]], atol=1e-15)
+        plate.move(sim.time + 0.001, rotate=[10, 20, 30])
+        sim.step(h=0.001)
+        np.testing.assert_allclose(plate.pose.rotate, [10, 20, 30], atol=1e-12)
+        np.testing.assert_array_equal(sim.solids["floor"].pose, np.zeros((2, 3)))
         self.assertGreater(sim.bodies["sheet"].x[:, 1].min(), 0.05)
 
     def test_an_inlet_opens_moves_and_shuts(self):

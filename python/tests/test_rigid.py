@@ -69,6 +69,12 @@ class Rigid(unittest.TestCase):
         np.testing.assert_allclose(box.rotation, np.eye(3), atol=1e-12)
         with self.assertRaisesRegex(projdyn.InputError, "rotation: expected the shape 3 x 3"):
             box.set_pose([0, 0, 0], [1, 0, 0])
+        for wrong in (np.zeros((3, 3)), 2 * np.eye(3), -np.eye(3), np.diag([1, 1, -1]), np.full((3, 3), np.nan),
+                      np.eye(3) + np.diag([1e-4, 0], 1)):
+            with self.assertRaisesRegex(projdyn.InputError, "rotation: expected a rotation matrix"):
+                box.set_pose([0, 0, 5], wrong)
+        np.testing.assert_allclose(box.position, [0, 0, 3], atol=1e-12)
+        box.set_pose([0, 0, 3], turned(0.7) + 1e-8)
 
 
 if __name__ == "__main__":

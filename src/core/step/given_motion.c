@@ -29,8 +29,7 @@ static pdyn_status check(struct pdyn_sim *sim, const struct scene_motion *motion
     return PDYN_OK;
 }
 
-/* The pose at a time, as a key. */
-static struct scene_key key_at(const struct scene_motion *motion, double time) {
+struct scene_key given_motion_at(const struct scene_motion *motion, double time) {
     struct pose pose = pose_at(motion, time);
     struct scene_key key = given_key(time, pose.at.translate, pose.at.rotate);
     for (int a = 0; a < 3; a++) key.translate[a] -= motion->pivot[a];
@@ -51,7 +50,7 @@ pdyn_status given_motion(struct pdyn_sim *sim, struct scene_motion *motion, cons
     pdyn_status status = control_check(sim);
     if (status == PDYN_OK) status = check(sim, motion, what, to);
     if (status != PDYN_OK) return status;
-    struct scene_key from = key_at(motion, sim->time);
+    struct scene_key from = given_motion_at(motion, sim->time);
     status = resize_keys(sim, motion, 2);
     if (status != PDYN_OK) return status;
     motion->key[0] = from, motion->key[1] = *to;

@@ -9,6 +9,9 @@ struct pdyn_sim;
 
 struct scene_key given_key(double time, const double translate[3], const double rotate[3]);
 
+/* The pose at a time, s, as a key. The motion has keys. */
+struct scene_key given_motion_at(const struct scene_motion *motion, double time);
+
 /* Replaces the keys: from the pose now to `to`, where it rests. PDYN_BAD_INPUT: no keys before, a
  * time that is not after the current one, a number out of range; the error text begins with
  * `what`. */

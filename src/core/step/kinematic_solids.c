@@ -9,6 +9,7 @@
 #include "projdyn/vec3.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* ---- points ---------------------------------------------------------------------------------- */
 
@@ -86,6 +87,16 @@ pdyn_status pdyn_move_solid(pdyn_sim *sim, int solid, double time, const double 
     pdyn_status status = given_motion(sim, &sim->scene.solid[solid].motion, what, &to);
     if (status == PDYN_OK) kinematic_move(sim, sim->time);
     return status;
+}
+
+pdyn_status pdyn_solid_pose(const pdyn_sim *sim, int solid, double translate[3], double rotate[3]) {
+    struct scene_key now = {0};
+    if (!pdyn_solid_name(sim, solid) || !translate || !rotate) return PDYN_BAD_CALL;
+    const struct scene_motion *motion = &sim->scene.solid[solid].motion;
+    if (motion->keys) now = given_motion_at(motion, sim->time);
+    memcpy(translate, now.translate, sizeof now.translate);
+    memcpy(rotate, now.rotate, sizeof now.rotate);
+    return PDYN_OK;
 }
 
 void kinematic_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
