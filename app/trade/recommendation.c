@@ -119,7 +119,8 @@ static int find_warnings(const struct study *s, const struct setting *setting, b
     pdyn_sim *sim[2] = {0};
     const char *found;
     int code = load_scene(s, setting, &context[0], &sim[0]);
-    if (code == EXIT_GOOD) code = load_scene(s, &unchanged, &context[1], &sim[1]);
+    if (code == EXIT_GOOD && pdyn_get_warning(sim[0], 0).code)
+        code = load_scene(s, &unchanged, &context[1], &sim[1]);
     *warns = false;
     for (int k = 0; code == EXIT_GOOD && (found = pdyn_get_warning(sim[0], k).code); k++)
         *warns |= !has_warning(sim[1], found);

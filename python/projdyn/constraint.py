@@ -10,6 +10,7 @@ from ._arrays import address, doubles, view
 from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
+from ._paths import text
 from ._structs import ConstraintInfo, ParameterInfo, VectorInfo
 from .solid import Load
 
@@ -68,7 +69,7 @@ class Constraint(Fixed):
     def __setitem__(self, name: str, value: Any) -> None:
         """Changes a parameter from the next step on: a number; three numbers for a vector; n x 4
         for the keys of a path (time and three numbers); the rows of a table, or one row for all."""
-        numbers = doubles(np.ravel(value), (None,), name)
+        numbers = doubles(np.ravel(value), (None,), text(name, "name"))
         self._handle.call(lib.pdyn_set_parameter, self._index, name.encode(), address(numbers),
                           len(numbers))
 

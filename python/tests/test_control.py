@@ -89,7 +89,7 @@ class Control(unittest.TestCase):
 
     def test_wrong_numbers(self):
         sim = hanging_sheet().load()
-        sheet = sim.bodies["sheet"]
+        sheet, spring = sim.bodies["sheet"], sim.constraints["sheet", "spring"]
         for text, call, arguments in (
                 ("a step from 1e-09 to 1000 s, found 0 s", sim.step, [0]),
                 ("a step from .*, found nan s", sim.step, [np.nan]),
@@ -100,6 +100,8 @@ class Control(unittest.TestCase):
                 call(*arguments)
         for text, call, arguments in (
                 ("h: expected numbers, found str", sim.step, ["fast"]),
+                ("name: expected a text, found int", spring.__setitem__, [0, 1]),
+                ("damping: expected numbers, found", spring.__setitem__, ["damping", "strong"]),
                 ("vertex: expected a whole number, .* found float", sheet.hold, [1.5, [0, 0, 0]]),
                 ("vertex: expected a whole number, .* found str", sheet.release, ["two"]),
                 ("stiffness: expected numbers, found str", sheet.hold, [1, [0, 0, 0], "soft"])):
