@@ -18,7 +18,8 @@ void text_append(char *text, size_t size, const char *format, ...) PDYN_PRINTF(3
  * after a complete UTF-8 character and ends with "...". */
 void text_clip(char *text, size_t size, const char *from);
 
-/* Appends `; did you mean "x"?` if one of the names resembles `word` or has its meaning, then `; known: a, b, c`. */
+/* Appends `; did you mean "x"?` if one of the names resembles `word` or has its meaning, then `;
+ * known: a, b, c`. */
 void text_hint(char *text, size_t size, const char *word, const char *const *names, int count);
 
 /* Sets the C locale for the calling thread until text_end: numbers have a decimal point. */
