@@ -38,11 +38,6 @@ const double *carried_x(const struct pdyn_sim *sim) {
     return sim->carried ? sim->carried->x : sim->x;
 }
 
-/* Boundary points from this one on move. */
-static int first_moving(const struct pdyn_sim *sim) {
-    return sim->boundary.at.count - sim->kinematic.points;
-}
-
 struct call {
     struct pdyn_sim *sim;
     const pdyn_neighbours *lists; /* at the beginning of the step */
@@ -57,7 +52,7 @@ static void carry(const struct call *c, int i) {
     const struct pdyn_sim *sim = c->sim;
     double *x = sim->carried->x + 3 * (size_t)i, weights = 0.0, moved[3] = {0}, normal[3] = {0};
     for (int s = l->patch_start[i]; s < l->end[i]; s++) {
-        int point = l->index[s] - l->particles, moving = point - first_moving(sim);
+        int point = l->index[s] - l->particles, moving = point - kinematic_first_point(sim);
         if (moving < 0) continue;
         const double *begin = sim->carried->before + 3 * (size_t)moving;
         const double *end = sim->boundary.at.x + 3 * (size_t)point;
@@ -99,7 +94,7 @@ pdyn_status carried_move(struct pdyn_sim *sim) {
     if (!c) return kinematic_move(sim, sim->objective.time), PDYN_OK;
     pdyn_status status = objective_ensure_lists(&sim->objective, sim->x, &extended);
     if (status != PDYN_OK) return status;
-    const double *moving = sim->boundary.at.x + 3 * (size_t)first_moving(sim);
+    const double *moving = sim->boundary.at.x + 3 * (size_t)kinematic_first_point(sim);
     memcpy(c->before, moving, 3 * (size_t)sim->kinematic.points * sizeof *moving);
     memcpy(c->x, sim->x, objective_bytes(&sim->objective));
     kinematic_move(sim, sim->objective.time);

@@ -43,11 +43,15 @@ void kinematic_free(pdyn_context *context, struct kinematic_solids *moving) {
     point_list_free(context, &moving->placed);
 }
 
+int kinematic_first_point(const struct pdyn_sim *sim) {
+    return sim->boundary.at.count - sim->kinematic.points;
+}
+
 /* ---- motion ---------------------------------------------------------------------------------- */
 
 void kinematic_move(struct pdyn_sim *sim, double time) {
     const struct kinematic_solids *moving = &sim->kinematic;
-    int resting = sim->boundary.at.count - moving->points;
+    int resting = kinematic_first_point(sim);
     if (!moving->points) return;
     for (int k = 0; k < moving->solids; k++) {
         const struct moving_solid *m = &moving->solid[k];

@@ -26,6 +26,9 @@ struct kinematic_solids { /* empty if no solid moves */
 pdyn_status kinematic_add(struct pdyn_sim *sim, const struct scene_solid *solid, int first);
 void kinematic_free(pdyn_context *context, struct kinematic_solids *moving);
 
+/* The first boundary point on a moving solid; all later ones are on moving solids, too. */
+int kinematic_first_point(const struct pdyn_sim *sim);
+
 /* Moves the boundary points to their positions at `time`, s, and informs the neighbour lists. */
 void kinematic_move(struct pdyn_sim *sim, double time);
 

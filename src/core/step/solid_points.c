@@ -56,7 +56,7 @@ static pdyn_status published_volumes(struct pdyn_sim *sim, int first, int count,
  * so that they do not change with the motion. */
 static pdyn_status compute_published_volumes(struct pdyn_sim *sim, double spacing, double *volume) {
     const struct kinematic_solids *moving = &sim->kinematic;
-    int resting = sim->boundary.at.count - moving->points;
+    int resting = kinematic_first_point(sim);
     pdyn_status status = published_volumes(sim, 0, resting, spacing, volume);
     for (int k = 0; k < moving->solids && status == PDYN_OK; k++)
         status =
