@@ -247,8 +247,8 @@ static json_t *describe_result(const struct report *report, const pdyn_sim *sim)
 
 /* A solid, the file of its mesh and the load on it; null where the load is unknown: no step was
  * made, or the last one failed. */
-static json_t *solid(const struct scene_solid *s, const struct solid_load *load) {
-    static const struct solid_load unknown = {{NAN, NAN, NAN}, {NAN, NAN, NAN}};
+static json_t *solid(const struct scene_solid *s, const struct load *load) {
+    static const struct load unknown = {{NAN, NAN, NAN}, {NAN, NAN, NAN}};
     if (!load) load = &unknown;
     return json_pack("{s:s, s:s, s:b, s:s++, s:s*, s:o, s:o}", "name", s->name, "kind",
                      scene_solid_kinds[s->kind], "moving", s->motion.keys > 0, "file",
@@ -258,7 +258,7 @@ static json_t *solid(const struct scene_solid *s, const struct solid_load *load)
 }
 
 static json_t *solids(const pdyn_sim *sim) {
-    const struct solid_load *loads = solid_load_compute(sim, PDYN_LOAD_ALL);
+    const struct load *loads = solid_load_compute(sim, PDYN_LOAD_ALL);
     json_t *list = json_array();
     for (int k = 0; list && k < sim->scene.solids; k++)
         if (json_array_append_new(list, solid(&sim->scene.solid[k], loads ? loads + k : NULL)))

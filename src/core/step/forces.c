@@ -120,8 +120,7 @@ void forces_forget(struct pdyn_sim *sim) {
 }
 
 /* The load by the rows of a batch. */
-static void add_row_load(const struct pdyn_sim *sim, const struct batch *b,
-                         struct solid_load *load) {
+static void add_row_load(const struct pdyn_sim *sim, const struct batch *b, struct load *load) {
     const pdyn_batch *v = &b->view;
     for (int e = 0; e < v->elements; e++)
         for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++) {
@@ -130,20 +129,20 @@ static void add_row_load(const struct pdyn_sim *sim, const struct batch *b,
             for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++) {
                 double force[3] = {0};
                 vec3_add(force, -v->coefficient[k], g);
-                solid_load_add(load, sim->x_next + 3 * (size_t)v->column[k], force);
+                load_add(load, sim->x_next + 3 * (size_t)v->column[k], force);
             }
         }
 }
 
 static void add_operator_load(const struct pdyn_sim *sim, const struct batch *b,
-                              struct solid_load *load) {
+                              struct load *load) {
     double *force = sim->trial;
     sum_forces(sim, batch_belongs_to, b, force);
     for (int i = 0; i < sim->objective.particles; i++)
-        solid_load_add(load, sim->x_next + 3 * (size_t)i, force + 3 * (size_t)i);
+        load_add(load, sim->x_next + 3 * (size_t)i, force + 3 * (size_t)i);
 }
 
-void forces_add_load(const struct pdyn_sim *sim, int k, struct solid_load *load) {
+void forces_add_load(const struct pdyn_sim *sim, int k, struct load *load) {
     const struct objective *objective = &sim->objective;
     for (int b = 0; sim->forces_known && b < objective->batches; b++)
         if (batch_belongs_to(objective->batch[b], objective->batch[k]))
@@ -156,11 +155,11 @@ void forces_sum(const struct pdyn_sim *sim, pdyn_load_source source, double *for
     sum_forces(sim, choose[source], NULL, force);
 }
 
-struct solid_load forces_load_on(const struct pdyn_sim *sim, int b, const double *force) {
+struct load forces_load_on(const struct pdyn_sim *sim, int b, const double *force) {
     const struct objective_body *body = &sim->objective.body[b];
-    struct solid_load load = {{0}, {0}};
+    struct load load = {{0}, {0}};
     for (int i = body->first; i < body->first + body->count; i++)
-        solid_load_add(&load, sim->x + 3 * (size_t)i, force + 3 * (size_t)i);
+        load_add(&load, sim->x + 3 * (size_t)i, force + 3 * (size_t)i);
     return load;
 }
 
@@ -181,7 +180,7 @@ double forces_virial(const struct pdyn_sim *sim, int k) {
  * as it is of the impacts. */
 static void pass_on(struct pdyn_sim *sim, const pdyn_body *body, const double passed[3]) {
     struct objective *objective = &sim->objective;
-    struct solid_load load = {{0}, {0}};
+    struct load load = {{0}, {0}};
     for (int b = 0; b < objective->batches; b++)
         if (batch_pins(objective->batch[b], body)) add_row_load(sim, objective->batch[b], &load);
     double size = vec3_dot(load.force, load.force);
@@ -207,11 +206,10 @@ pdyn_status pdyn_constraint_forces(const pdyn_sim *sim, int constraint, double *
 
 pdyn_status pdyn_constraint_load(const pdyn_sim *sim, int constraint, double force[3],
                                  double moment[3]) {
-    struct solid_load load = {{0}, {0}};
+    struct load load = {{0}, {0}};
     if (!sim_has_constraint(sim, constraint) || !force || !moment) return PDYN_BAD_CALL;
     forces_add_load(sim, constraint, &load);
-    memcpy(force, load.force, sizeof load.force);
-    memcpy(moment, load.moment, sizeof load.moment);
+    load_copy(&load, force, moment);
     return PDYN_OK;
 }
 

@@ -22,12 +22,12 @@ void forces_row_gradient(const struct pdyn_sim *sim, const struct batch *batch, 
 
 /* Adds to a load the force of constraint k of the scene, at the positions of the end of the step.
  * Nothing while forces are unknown. May overwrite sim->trial. */
-void forces_add_load(const struct pdyn_sim *sim, int k, struct solid_load *load);
+void forces_add_load(const struct pdyn_sim *sim, int k, struct load *load);
 
 /* Computes the force by a source on every particle, N; 0 while forces are unknown. */
 void forces_sum(const struct pdyn_sim *sim, pdyn_load_source source, double *force);
 /* The sum of these forces over a body, and their moment. */
-struct solid_load forces_load_on(const struct pdyn_sim *sim, int body, const double *force);
+struct load forces_load_on(const struct pdyn_sim *sim, int body, const double *force);
 
 /* The sum of force . position over the particles of constraint k, N m, of rows whose forces sum to
  * zero. */

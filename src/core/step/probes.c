@@ -56,20 +56,15 @@ static void measure_box(const struct pdyn_sim *sim, const struct probe_place *pl
     for (int a = 0; a < 3; a++) out[1 + a] = count > 0.0 ? sum[a] / count : 0.0;
 }
 
-static void copy_load(const struct solid_load *load, double *out) {
-    memcpy(out, load->force, sizeof load->force);
-    memcpy(out + 3, load->moment, sizeof load->moment);
-}
-
 static void measure_solid(const struct pdyn_sim *sim, const struct probe_place *place,
                           double *out) {
     const struct scene_probe *probe = place->probe;
-    copy_load(solid_load_compute(sim, probe->source) + probe->target, out);
+    load_copy(solid_load_compute(sim, probe->source) + probe->target, out, out + 3);
 }
 
 /* The force of all pins of a body, or of one. */
 static void measure_pins(const struct pdyn_sim *sim, const struct probe_place *place, double *out) {
-    struct solid_load load = {{0}, {0}};
+    struct load load = {{0}, {0}};
     for (int k = 0, pin = 0; k < sim->constraints; k++) {
         const struct batch *b = sim->objective.batch[k];
         if (!(b->type->flags & PDYN_REACTION) || b->view.body != &sim->body[place->probe->target])
@@ -77,7 +72,7 @@ static void measure_pins(const struct pdyn_sim *sim, const struct probe_place *p
         if (place->probe->pin < 0 || place->probe->pin == pin) forces_add_load(sim, k, &load);
         pin++;
     }
-    copy_load(&load, out);
+    load_copy(&load, out, out + 3);
 }
 
 /* The volume V inside a surface, and the pressure p of its filling above that outside: its forces
@@ -98,8 +93,8 @@ static void measure_inside(const struct pdyn_sim *sim, const struct probe_place 
 /* The force by a source on a body, and its moment about the origin. */
 static void measure_body(const struct pdyn_sim *sim, const struct probe_place *place, double *out) {
     const struct scene_probe *probe = place->probe;
-    struct solid_load load = forces_load_on(sim, probe->target, sim->probes->force[probe->source]);
-    copy_load(&load, out);
+    struct load load = forces_load_on(sim, probe->target, sim->probes->force[probe->source]);
+    load_copy(&load, out, out + 3);
 }
 
 struct quantity {

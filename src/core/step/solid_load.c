@@ -9,11 +9,16 @@
 
 #include <string.h>
 
-void solid_load_add(struct solid_load *load, const double *x, const double *force) {
+void load_add(struct load *load, const double *x, const double *force) {
     double moment[3];
     vec3_cross(moment, x, force);
     vec3_add(load->force, 1.0, force);
     vec3_add(load->moment, 1.0, moment);
+}
+
+void load_copy(const struct load *load, double force[3], double moment[3]) {
+    memcpy(force, load->force, sizeof load->force);
+    memcpy(moment, load->moment, sizeof load->moment);
 }
 
 /* ---- fluid ----------------------------------------------------------------------------------- */
@@ -21,8 +26,8 @@ void solid_load_add(struct solid_load *load, const double *x, const double *forc
 static void add_point_forces(const struct pdyn_sim *sim, const double *force) {
     const struct boundary_points *points = &sim->boundary;
     for (int k = 0; k < points->at.count; k++)
-        solid_load_add(&sim->loads->solid[PDYN_LOAD_ALL][points->point[k].solid],
-                       points->at.x + 3 * (size_t)k, force + 3 * (size_t)k);
+        load_add(&sim->loads->solid[PDYN_LOAD_ALL][points->point[k].solid],
+                 points->at.x + 3 * (size_t)k, force + 3 * (size_t)k);
 }
 
 /* The operator takes its multipliers from the call of `force` before. */
@@ -50,8 +55,8 @@ static void add_fluid(const struct pdyn_sim *sim) {
 
 static void add_contact_force(const struct pdyn_sim *sim, int solid, const double *x,
                               const double *force) {
-    solid_load_add(&sim->loads->solid[PDYN_LOAD_ALL][solid], x, force);
-    solid_load_add(&sim->loads->solid[PDYN_LOAD_CONTACT][solid], x, force);
+    load_add(&sim->loads->solid[PDYN_LOAD_ALL][solid], x, force);
+    load_add(&sim->loads->solid[PDYN_LOAD_CONTACT][solid], x, force);
 }
 
 /* Adds the force of element e, one row, on the solids of its contact. */
@@ -97,7 +102,7 @@ static void add_contact(const struct pdyn_sim *sim) {
 /* ---- public functions ------------------------------------------------------------------------ */
 
 static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
-    struct solid_load **solid = sim->loads->solid;
+    struct load **solid = sim->loads->solid;
     const struct array_entry table[] = {ARRAY(solid[PDYN_LOAD_ALL], sim->scene.solids),
                                         ARRAY(solid[PDYN_LOAD_FLUID], sim->scene.solids),
                                         ARRAY(solid[PDYN_LOAD_CONTACT], sim->scene.solids),
@@ -117,7 +122,7 @@ void solid_load_free(struct pdyn_sim *sim) {
     FREE_ARRAY(sim->context, sim->loads, 1);
 }
 
-const struct solid_load *solid_load_compute(const struct pdyn_sim *sim, pdyn_load_source source) {
+const struct load *solid_load_compute(const struct pdyn_sim *sim, pdyn_load_source source) {
     struct solid_loads *l = sim->loads;
     if (!l || !sim->forces_known) return NULL;
     if (l->summed) return l->solid[source];
@@ -133,23 +138,18 @@ const char *pdyn_solid_name(const pdyn_sim *sim, int solid) {
     return sim && solid >= 0 && solid < sim->scene.solids ? sim->scene.solid[solid].name : NULL;
 }
 
-static pdyn_status copy_load(const struct solid_load *load, double force[3], double moment[3]) {
-    memcpy(force, load->force, sizeof load->force);
-    memcpy(moment, load->moment, sizeof load->moment);
-    return PDYN_OK;
-}
-
 static bool is_source(pdyn_load_source source) {
     return (int)source >= 0 && (int)source < LOAD_SOURCES;
 }
 
 pdyn_status pdyn_solid_load_by(const pdyn_sim *sim, int solid, pdyn_load_source source,
                                double force[3], double moment[3]) {
-    static const struct solid_load none;
+    static const struct load none;
     if (!sim || !force || !moment || !pdyn_solid_name(sim, solid) || !is_source(source))
         return PDYN_BAD_CALL;
-    const struct solid_load *loads = solid_load_compute(sim, source);
-    return copy_load(loads ? loads + solid : &none, force, moment);
+    const struct load *loads = solid_load_compute(sim, source);
+    load_copy(loads ? loads + solid : &none, force, moment);
+    return PDYN_OK;
 }
 
 pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double force[3], double moment[3]) {
@@ -161,6 +161,7 @@ pdyn_status pdyn_body_load_by(const pdyn_sim *sim, int body, pdyn_load_source so
     if (!sim || !force || !moment || body < 0 || body >= sim->bodies || !is_source(source))
         return PDYN_BAD_CALL;
     forces_sum(sim, source, sim->trial);
-    struct solid_load load = forces_load_on(sim, body, sim->trial);
-    return copy_load(&load, force, moment);
+    struct load load = forces_load_on(sim, body, sim->trial);
+    load_copy(&load, force, moment);
+    return PDYN_OK;
 }

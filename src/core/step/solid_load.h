@@ -7,7 +7,7 @@
 
 struct pdyn_sim;
 
-struct solid_load {
+struct load {         /* on a solid, or on a body or by a constraint (forces.h) */
     double force[3];  /* N */
     double moment[3]; /* N m, about the origin of the world */
 };
@@ -15,13 +15,14 @@ struct solid_load {
 enum { LOAD_SOURCES = PDYN_LOAD_CONTACT + 1 };
 
 struct solid_loads {
-    bool summed;                            /* `solid` is up to date */
-    struct solid_load *solid[LOAD_SOURCES]; /* scene.solids: by enum pdyn_load_source */
-    double *force;                          /* boundary points x 3, N: scratch */
+    bool summed;                      /* `solid` is up to date */
+    struct load *solid[LOAD_SOURCES]; /* scene.solids: by enum pdyn_load_source */
+    double *force;                    /* boundary points x 3, N: scratch */
 };
 
 /* Adds a force, N, that acts at x, m. */
-void solid_load_add(struct solid_load *load, const double *x, const double *force);
+void load_add(struct load *load, const double *x, const double *force);
+void load_copy(const struct load *load, double force[3], double moment[3]);
 
 /* sim->loads stays NULL in a scene without solids. */
 pdyn_status solid_load_create(struct pdyn_sim *sim);
@@ -29,6 +30,6 @@ void solid_load_free(struct pdyn_sim *sim);
 
 /* The loads by a source after the last step, one per solid of the scene. NULL: unknown, or no
  * solids. */
-const struct solid_load *solid_load_compute(const struct pdyn_sim *sim, pdyn_load_source source);
+const struct load *solid_load_compute(const struct pdyn_sim *sim, pdyn_load_source source);
 
 #endif
