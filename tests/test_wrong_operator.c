@@ -67,7 +67,7 @@ static pdyn_one_sided one_sided_unit_squares(void *self) {
 
 static pdyn_one_sided one_sided_not_held(void *self) {
     pdyn_one_sided s = good.one_sided(self);
-    for (int i = 0; i < particles; i++) numbers(s.held)[i] = 0.0;
+    for (int i = 0; i < particles; i++) numbers(s.weight_sum)[i] = 0.0;
     return s;
 }
 

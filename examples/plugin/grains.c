@@ -127,7 +127,7 @@ struct grains {
     int constraints, room;       /* the first `count`, one per grain, are unused (k = 0) */
     struct pair *pair;           /* room */
     double *value, *k, *squares; /* room */
-    double *held;                /* particles */
+    double *weight_sum;          /* particles */
     const double *multiplier;    /* constraints: that of the last call of `force` */
 };
 
@@ -159,7 +159,7 @@ static void *create(const void *par, const pdyn_body *body, const pdyn_services 
 static void release(void *self) {
     struct grains *g = (struct grains *)self;
     make_room(g, 0);
-    resize(g, &g->held, g->particles, 0, sizeof *g->held);
+    resize(g, &g->weight_sum, g->particles, 0, sizeof *g->weight_sum);
     g->services->allocate(g->services->core, g, sizeof *g, 0);
 }
 
@@ -168,7 +168,8 @@ static bool neighbours(void *self, const pdyn_neighbours *l) {
     struct grains *g = (struct grains *)self;
     int c = g->count, most = g->count;
     g->lists = l;
-    if (!g->held && !resize(g, &g->held, 0, l->particles, sizeof *g->held)) return false;
+    if (!g->weight_sum && !resize(g, &g->weight_sum, 0, l->particles, sizeof *g->weight_sum))
+        return false;
     g->particles = l->particles;
     for (int i = g->first; i < g->first + g->count; i++) most += l->end[i] - l->start[i];
     if (most > g->room && !make_room(g, most + most / 4)) return false;
@@ -188,7 +189,7 @@ static bool neighbours(void *self, const pdyn_neighbours *l) {
 static double local(void *self, const double *x, double *gradient) {
     struct grains *g = (struct grains *)self;
     double energy = 0.0;
-    memset(g->held, 0, (size_t)g->particles * sizeof *g->held);
+    memset(g->weight_sum, 0, (size_t)g->particles * sizeof *g->weight_sum);
     for (int c = g->count; c < g->constraints; c++) {
         struct pair *q = &g->pair[c];
         bool wall = q->b >= g->particles;
@@ -200,15 +201,15 @@ static double local(void *self, const double *x, double *gradient) {
         g->value[c] = g->least - distance;
         if (g->value[c] <= 0.0) continue;
         force = g->k[c] * g->value[c], energy += 0.5 * force * g->value[c];
-        vec3_add(gradient + 3 * q->a, -force, q->n), g->held[q->a] += 2.0 * g->k[c];
-        if (!wall) vec3_add(gradient + 3 * q->b, force, q->n), g->held[q->b] += 2.0 * g->k[c];
+        vec3_add(gradient + 3 * q->a, -force, q->n), g->weight_sum[q->a] += 2.0 * g->k[c];
+        if (!wall) vec3_add(gradient + 3 * q->b, force, q->n), g->weight_sum[q->b] += 2.0 * g->k[c];
     }
     return energy;
 }
 
 static pdyn_one_sided one_sided(void *self) {
     struct grains *g = (struct grains *)self;
-    pdyn_one_sided s = {g->constraints, g->value, g->k, g->squares, g->held};
+    pdyn_one_sided s = {g->constraints, g->value, g->k, g->squares, g->weight_sum};
     return s;
 }
 

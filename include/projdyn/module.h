@@ -299,11 +299,11 @@ typedef struct pdyn_neighbours {
 /* One-sided scalar constraints C_i <= 0 at the last local step. The energy of constraint i is
  * k_i / 2 max(0, C_i)^2; k_i is constant in a step. */
 typedef struct pdyn_one_sided {
-    int count;               /* first one for each particle of the body, then further ones */
-    const double *value;     /* count: C_i, negative where the constraint has slack */
-    const double *stiffness; /* count: k_i; 0 for a constraint without energy */
-    const double *squares;   /* count: |grad C_i|^2 over all its particles */
-    const double *held;      /* particles: sum of the weights of all constraints that select the
+    int count;                /* first one for each particle of the body, then further ones */
+    const double *value;      /* count: C_i, negative where the constraint has slack */
+    const double *stiffness;  /* count: k_i; 0 for a constraint without energy */
+    const double *squares;    /* count: |grad C_i|^2 over all its particles */
+    const double *weight_sum; /* particles: sum of the weights of all constraints that select the
                                 particle, N/m; eps = 1 adds it to the diagonal of H */
 } pdyn_one_sided;
 

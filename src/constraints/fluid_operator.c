@@ -159,7 +159,7 @@ static pdyn_one_sided one_sided(void *self) {
                             .value = f->value + f->first,
                             .stiffness = f->stiffness + f->first,
                             .squares = f->squares + f->first,
-                            .held = f->weight_sum};
+                            .weight_sum = f->weight_sum};
 }
 
 /* C_i */

@@ -8,7 +8,7 @@
  *
  * which is S lambda = rhs with S = K^-1 + G A^-1 G' and bounds: the pressure equation of
  * incompressible SPH (Ihmsen et al. 2014, Bender and Koschier 2015), made compliant by K. Of a
- * fluid alone, A = M/h^2 + eps D is diagonal (D: pdyn_one_sided.held). Beside rows (cloth,
+ * fluid alone, A = M/h^2 + eps D is diagonal (D: pdyn_one_sided.weight_sum). Beside rows (cloth,
  * contact), A^-1 is an iteration of its own (rest_solve.h), with a tolerance of 0.3 within the
  * iteration and of 0.1 at its ends.
  *

@@ -39,8 +39,8 @@ static void compute_mobility(void *arg, int first, int last, int block) {
     for (int i = first; i < last; i++) s->mobility[i] = 0.0;
     for (int k = 0; k < model->one_sided_count; k++) {
         const pdyn_body *body;
-        const double *held = model->one_sided(model, k, &body).held;
-        for (int i = first; i < last; i++) s->mobility[i] += held[i];
+        const double *weight_sum = model->one_sided(model, k, &body).weight_sum;
+        for (int i = first; i < last; i++) s->mobility[i] += weight_sum[i];
     }
     for (int i = first; i < last; i++)
         s->mobility[i] =

@@ -75,9 +75,9 @@ pdyn_status one_sided_begin(struct one_sided *s) {
 static void add_projective(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
-    const double *held = c->s->at.held;
+    const double *weight_sum = c->s->at.weight_sum;
     for (int i = first; i < last; i++)
-        if (held[i] > 0.0) vec3_add(c->out + 3 * i, c->eps * held[i], c->u + 3 * i);
+        if (weight_sum[i] > 0.0) vec3_add(c->out + 3 * i, c->eps * weight_sum[i], c->u + 3 * i);
 }
 
 void one_sided_apply_projective(struct one_sided *s, double eps, const double *u, double *y) {
@@ -112,7 +112,7 @@ static void add_projective_blocks(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     for (int i = first; i < last; i++)
-        for (int a = 0; a < 6; a += a ? 2 : 3) c->out[6 * i + a] += c->eps * c->s->at.held[i];
+        for (int a = 0; a < 6; a += a ? 2 : 3) c->out[6 * i + a] += c->eps * c->s->at.weight_sum[i];
 }
 
 void one_sided_projective_diagonal(struct one_sided *s, double eps, double *blocks) {

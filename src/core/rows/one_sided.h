@@ -4,7 +4,7 @@
  *
  * where d is the displacement from the x of the last local step. A constraint acts where
  * C_i + grad C_i . d > 0; this is its side. D: the diagonal of the projective step,
- * pdyn_one_sided.held. */
+ * pdyn_one_sided.weight_sum. */
 #ifndef PDYN_ONE_SIDED_H
 #define PDYN_ONE_SIDED_H
 
