@@ -1,7 +1,7 @@
 /* A fluid beside cloth, solved for pressures (solver "dual") and for positions. */
 #include "support.h"
 
-#include "../src/solvers/rest_solve.h"
+#include "../src/solvers/remainder_solve.h"
 
 /* A block of 8 x 5 x 8 particles falls on a sheet that is held at its border. */
 #define POUR(solver, stiffness) POUR_ON(solver, stiffness, "0.3", "3000")
@@ -125,8 +125,8 @@ static void test_work(void **state) {
     pdyn_destroy(context);
 }
 
-static double rest_norm(pdyn_model *model, const double *r) {
-    return model->rest->norm(model->rest, r);
+static double remainder_norm(pdyn_model *model, const double *r) {
+    return model->remainder->norm(model->remainder, r);
 }
 
 /* Solves A y = the forces of equal pressures, where A is H without the density constraints. Returns
@@ -137,41 +137,41 @@ static double push_sheet(pdyn_sim *sim, double tolerance, double *y) {
     int count = model->one_sided(model, 0, &water).count;
     double *pressure = calloc((size_t)count, sizeof *pressure);
     double *b = calloc(3 * (size_t)model->particles, sizeof *b);
-    struct rest_solve rest = {0};
+    struct remainder_solve remainder = {0};
     assert_true(pressure && b);
     for (int i = 0; i < count; i++) pressure[i] = 1.0;
     model->force(model, 0, pressure, b);
-    double size = rest_norm(model, b);
-    assert_int_equal(rest_solve_create(&rest, model), PDYN_OK);
-    rest_solve_update(&rest, true);
-    rest_solve_apply(&rest, b, y, tolerance);
-    double fallen = rest_norm(model, b) / size;
-    rest_solve_free(&rest);
+    double size = remainder_norm(model, b);
+    assert_int_equal(remainder_solve_create(&remainder, model), PDYN_OK);
+    remainder_solve_update(&remainder, true);
+    remainder_solve_apply(&remainder, b, y, tolerance);
+    double fallen = remainder_norm(model, b) / size;
+    remainder_solve_free(&remainder);
     free(pressure), free(b);
     return fallen;
 }
 
 /* A solve with A ends at its tolerance as an error in the norm of A, which is reached long before
  * the residual has fallen as far. */
-static void test_rest_error(void **state) {
+static void test_remainder_error(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, POUR(ROUGH, "1e4"));
     while (pdyn_time(sim) < 0.05) test_step(context, sim);
     assert_int_equal(solver_view_linearise(&sim->model, 0.0), PDYN_OK);
-    pdyn_model *rest = sim->model.model.rest;
-    assert_null(rest->matrix);
-    int n = 3 * rest->particles;
+    pdyn_model *A = sim->model.model.remainder;
+    assert_null(A->matrix);
+    int n = 3 * A->particles;
     double *vectors = calloc(3 * (size_t)n, sizeof *vectors);
     assert_non_null(vectors);
     double *exact = vectors, *y = exact + n, *Ay = y + n;
     assert_true(push_sheet(sim, 1e-9, exact) < 1e-6);
     assert_true(push_sheet(sim, 0.3, y) > 0.3);
-    rest->product(rest, exact, Ay);
-    double size = sqrt(rest->dot(rest, exact, Ay));
+    A->product(A, exact, Ay);
+    double size = sqrt(A->dot(A, exact, Ay));
     for (int k = 0; k < n; k++) y[k] -= exact[k];
-    rest->product(rest, y, Ay);
-    assert_true(sqrt(rest->dot(rest, y, Ay)) < 0.3 * size);
+    A->product(A, y, Ay);
+    assert_true(sqrt(A->dot(A, y, Ay)) < 0.3 * size);
     free(vectors);
     pdyn_free(sim);
     pdyn_destroy(context);
@@ -190,7 +190,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_same_motion), cmocka_unit_test(test_stiff),
         cmocka_unit_test(test_very_stiff),  cmocka_unit_test(test_surprise),
-        cmocka_unit_test(test_work),        cmocka_unit_test(test_rest_error),
+        cmocka_unit_test(test_work),        cmocka_unit_test(test_remainder_error),
         cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests_name("pressures", tests, NULL, NULL);

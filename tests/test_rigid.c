@@ -316,7 +316,7 @@ static void test_pair(void **state) {
         pairs += sim->objective.rigid->pairs;
     }
     struct momenta end = momenta_of(sim);
-    assert_true(pairs > 0 && sim->model.rest->model.bodies_alone);
+    assert_true(pairs > 0 && sim->model.remainder->model.bodies_alone);
     assert_true(vec3_distance(start.linear, end.linear) < 1e-12 * vec3_length(start.linear));
     pdyn_free(sim);
     pdyn_destroy(context);

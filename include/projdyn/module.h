@@ -510,16 +510,16 @@ typedef enum pdyn_part { PDYN_WHOLE, PDYN_DYNAMIC } pdyn_part;
 typedef struct pdyn_model {
     const pdyn_services *services;
     int particles;
-    const double *mass;  /* particles, kg; more for particles that an inlet moves */
-    double h;            /* s, effective length of the step: H contains mass / h^2; 0 before the
-                            first step */
-    double eps;          /* of H: 0 newton, 1 projective */
-    bool newton;         /* the scene asks for the newton step: eps may be below 1 */
-    bool dynamic;        /* some constraint changes from step to step */
-    bool bodies_alone;   /* of `rest`: the rows at the iterate tie rigid bodies alone, for which
-                            solve_bodies is exact; elsewhere this H is diagonal */
-    const bool *in_rows; /* particles: selected by a row that always exists (of `rest`: by a row of
-                            the iterate), or of a rigid body */
+    const double *mass; /* particles, kg; more for particles that an inlet moves */
+    double h;           /* s, effective length of the step: H contains mass / h^2; 0 before the
+                           first step */
+    double eps;         /* of H: 0 newton, 1 projective */
+    bool newton;        /* the scene asks for the newton step: eps may be below 1 */
+    bool dynamic;       /* some constraint changes from step to step */
+    bool bodies_alone;  /* of `remainder`: the rows at the iterate tie rigid bodies alone, for which
+                           solve_bodies is exact; elsewhere this H is diagonal */
+    const bool *in_rows; /* particles: selected by a row that always exists (of `remainder`: by a
+                            row of the iterate), or of a rigid body */
     int elements_count;  /* constraints whose rows always exist */
     int one_sided_count; /* matrix-free constraints */
     int dynamic_count;   /* constraints whose elements come and go */
@@ -538,7 +538,7 @@ typedef struct pdyn_model {
      * hides another. scale: |M g|, or for a surface in a scene with contact |M (x - s) / h^2| where
      * that is larger, plus the norm of the forces that fluids put on the body. */
     double (*norm)(struct pdyn_model *model, const double *r);
-    /* H assembled; valid until the next call. NULL in `rest`. */
+    /* H assembled; valid until the next call. NULL in `remainder`. */
     pdyn_status (*matrix)(struct pdyn_model *model, pdyn_matrix *matrix);
     /* The sum of weight G' G over all steady elements, without inertia, dim 1: which particles are
      * tied, and how stiffly. Couplings with vertices of rigid bodies are 0, as if the bodies stood
@@ -555,10 +555,10 @@ typedef struct pdyn_model {
     void (*rate)(struct pdyn_model *model, int k, const bool *which, const double *u, double *rate);
     void (*force)(struct pdyn_model *model, int k, const double *multiplier, double *force);
     /* The same model without the one-sided constraints of matrix-free ones, whose product and
-     * diagonals are those of the rest of H. NULL in itself. */
-    struct pdyn_model *rest;
+     * diagonals are those of the remainder of H. NULL in itself. */
+    struct pdyn_model *remainder;
     /* Runs fn over the particles that the vectors of a solve concern, in blocks of `grain`; returns
-     * the number of blocks. All particles; of `rest`, a range that contains every particle of
+     * the number of blocks. All particles; of `remainder`, a range that contains every particle of
      * in_rows: elsewhere this H is diagonal, and product, dot and norm take vectors as 0. */
     int (*for_particles)(struct pdyn_model *model, int grain, pdyn_range_fn *fn, void *arg);
 } pdyn_model;

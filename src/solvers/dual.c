@@ -1,6 +1,6 @@
 /* Solver "dual": conjugate gradients on the multipliers (pressures) of all matrix-free constraints.
- * With G the gradients of its constraints, K their stiffness and A the rest of H, the model of E is
- * minimal where
+ * With G the gradients of its constraints, K their stiffness and A the remainder of H, the model of
+ * E is minimal where
  *
  *     d = A^-1 (b - G' (lambda - K max(0, C))),     b: with the forces of the last local step
  *
@@ -9,7 +9,7 @@
  * which is S lambda = rhs with S = K^-1 + G A^-1 G' and bounds: the pressure equation of
  * incompressible SPH (Ihmsen et al. 2014, Bender and Koschier 2015), made compliant by K. Of a
  * fluid alone, A = M/h^2 + eps D is diagonal (D: pdyn_one_sided.weight_sum). Beside rows (cloth,
- * contact), A^-1 is an iteration of its own (rest_solve.h), with a tolerance of 0.3 within the
+ * contact), A^-1 is an iteration of its own (remainder_solve.h), with a tolerance of 0.3 within the
  * iteration and of 0.1 at its ends.
  *
  * Multipliers are kept from step to step, so that a fluid at rest starts at its solution. They
@@ -21,7 +21,7 @@
  * it they are clipped, and conjugate directions start again. */
 #include "memory.h"
 #include "multipliers.h"
-#include "rest_solve.h"
+#include "remainder_solve.h"
 
 #include <math.h>
 #include <string.h>
@@ -52,7 +52,7 @@ struct part { /* the scalar constraints of one matrix-free constraint */
 struct dual {
     pdyn_model *model;
     bool limited; /* solves end early, because A^-1 takes many iterations: cloth or solids */
-    struct rest_solve rest; /* A^-1 */
+    struct remainder_solve remainder; /* A^-1 */
     double *u, *rhs; /* particles x 3: displacement by p; right side of a solve with A. NULL: not
                         coupled */
     int products;    /* with A in this solve */
@@ -73,7 +73,7 @@ static void release(void *self) {
     FREE(s->model->services, s->part, s->parts);
     FREE(s->model->services, s->u, vector_size(s->model));
     FREE(s->model->services, s->rhs, vector_size(s->model));
-    rest_solve_free(&s->rest);
+    remainder_solve_free(&s->remainder);
 }
 
 static int suits(const pdyn_model *model, const char **reason) {
@@ -92,8 +92,8 @@ static pdyn_status create(void *self, pdyn_model *model) {
     s->model = model, s->parts = model->one_sided_count, s->m.services = model->services;
     s->part = NEW(model->services, s->parts, struct part);
     if (!s->part) return PDYN_NO_MEMORY;
-    pdyn_status status = rest_solve_create(&s->rest, model);
-    if (status != PDYN_OK || !s->rest.coupled) return status;
+    pdyn_status status = remainder_solve_create(&s->remainder, model);
+    if (status != PDYN_OK || !s->remainder.coupled) return status;
     s->limited = model->elements_count || !model->solve_bodies;
     s->u = NEW(model->services, vector_size(model), double);
     s->rhs = NEW(model->services, vector_size(model), double);
@@ -151,36 +151,36 @@ static void compute_force(struct dual *s, const double *b, const double *multipl
     for_particles(s, subtract_from, 0.0, b, out);
 }
 
-/* d = A^-1 (b - G' multiplier), to `tolerance` (rest_solve.h) */
+/* d = A^-1 (b - G' multiplier), to `tolerance` (remainder_solve.h) */
 static void compute_displacement(struct dual *s, const double *b, const double *multiplier,
                                  double tolerance, double *d) {
-    double *force = s->rest.coupled ? s->rhs : d;
+    double *force = s->remainder.coupled ? s->rhs : d;
     compute_force(s, b, multiplier, force);
-    s->products += rest_solve_apply(&s->rest, force, d, tolerance);
+    s->products += remainder_solve_apply(&s->remainder, force, d, tolerance);
 }
 
 /* d = 0 for particles in no row */
 static void clear_free(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
-    const bool *in_rows = c->s->rest.model->in_rows;
+    const bool *in_rows = c->s->remainder.model->in_rows;
     for (int k = 3 * first; k < 3 * last; k++) c->out[k] = in_rows[k / 3] ? c->out[k] : 0.0;
 }
 
 /* d += A^-1 (b - G' multiplier - A d), from 0 for particles in no row: their solve is exact */
 static void correct_displacement(struct dual *s, const double *b, const double *multiplier) {
-    pdyn_model *rest = s->rest.model;
+    pdyn_model *A = s->remainder.model;
     compute_force(s, b, multiplier, s->rhs);
     for_particles(s, clear_free, 0.0, NULL, s->d);
-    rest->product(rest, s->d, s->u);
-    rest->for_particles(rest, GRAIN, add_scaled, &(struct call){s, -1.0, s->u, s->rhs});
-    s->products += rest_solve_apply(&s->rest, s->rhs, s->u, s->rough * end_tolerance);
+    A->product(A, s->d, s->u);
+    A->for_particles(A, GRAIN, add_scaled, &(struct call){s, -1.0, s->u, s->rhs});
+    s->products += remainder_solve_apply(&s->remainder, s->rhs, s->u, s->rough * end_tolerance);
     for_particles(s, add_scaled, 1.0, s->u, s->d);
 }
 
 /* q = S p. Returns p . q and, in *gp, g . p. */
 static double multiply(struct dual *s, double *gp) {
-    double *u = s->rest.exact ? s->d : s->u;
+    double *u = s->remainder.exact ? s->d : s->u;
     compute_displacement(s, NULL, s->m.p, s->rough * inner_tolerance, u);
     compute_rate(s, u);
     return multipliers_add_compliance(&s->m, gp);
@@ -189,7 +189,7 @@ static double multiply(struct dual *s, double *gp) {
 /* lambda += scale p, and what follows from it. */
 static void advance(struct dual *s, double scale) {
     s->last = multipliers_advance(&s->m, scale);
-    if (!s->rest.exact) for_particles(s, add_scaled, scale, s->u, s->d);
+    if (!s->remainder.exact) for_particles(s, add_scaled, scale, s->u, s->d);
 }
 
 /* Clips negative multipliers. */
@@ -205,7 +205,7 @@ static void clip_multipliers(struct dual *s) {
 static void start(struct dual *s, const double *b) {
     for (int k = 0; k < s->parts; k++)
         multipliers_start(&s->m, s->part[k].first, &s->part[k].at, s->part[k].body, s->model->eps,
-                          s->rest.mobility);
+                          s->remainder.mobility);
     compute_displacement(s, b, s->m.p, s->rough * end_tolerance, s->d);
     compute_rate(s, s->d);
     multipliers_compute_residual(&s->m);
@@ -247,13 +247,13 @@ static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop
     *iterations = s->products = 0;
     s->solves = stop->first_of_step ? 1 : s->solves + 1;
     s->rough = fmax(finest, pow(refinement, fmax(0.0, s->solves - ROUGH_SOLVES)));
-    rest_solve_update(&s->rest, stop->first_of_step);
+    remainder_solve_update(&s->remainder, stop->first_of_step);
     start(s, b);
     int most = stop->max_iterations;
     if (s->limited) most = (int)fmin(most, MAX_COUPLED / s->rough);
     iterate(s, most, iterations);
     multipliers_find_change(&s->m);
-    if (s->rest.exact) compute_displacement(s, b, s->m.p, 0.0, s->d);
+    if (s->remainder.exact) compute_displacement(s, b, s->m.p, 0.0, s->d);
     else correct_displacement(s, b, s->m.p);
     *iterations += s->products;
     return PDYN_OK;

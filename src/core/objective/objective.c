@@ -213,13 +213,14 @@ void objective_apply(struct objective *o, const double *u, double *y) {
     objective_pull(o, y);
 }
 
-void objective_apply_rest(struct objective *o, int first, int last, const double *u, double *y) {
+void objective_apply_remainder(struct objective *o, int first, int last, const double *u,
+                               double *y) {
     u = objective_extended(o, u);
     count_vectors(o, last - first);
     count_work(o, 0);
     struct call call = {.objective = o, .a = u, .out = y};
     pool_for_between(o->context->pool, first, last, PARTICLE_GRAIN, apply_inertia, &call);
-    for (int b = 0; b < o->batches; b++) batch_apply_rest(o->batch[b], u, y);
+    for (int b = 0; b < o->batches; b++) batch_apply_remainder(o->batch[b], u, y);
     objective_pull(o, y);
 }
 
@@ -308,8 +309,8 @@ void objective_diagonal(struct objective *o, pdyn_part part, double *blocks) {
     sum_diagonal(o, part, batch_diagonal, blocks);
 }
 
-void objective_rest_diagonal(struct objective *o, pdyn_part part, double *blocks) {
-    sum_diagonal(o, part, batch_rest_diagonal, blocks);
+void objective_remainder_diagonal(struct objective *o, pdyn_part part, double *blocks) {
+    sum_diagonal(o, part, batch_remainder_diagonal, blocks);
 }
 
 /* ---- vectors --------------------------------------------------------------------------------- */

@@ -126,9 +126,9 @@ void objective_apply(struct objective *objective, const double *u, double *y);
 
 /* The same without the matrix-free constraints, for u that is 0 outside the particles first to
  * before last, which all rows concern; y has no meaning outside. */
-void objective_apply_rest(struct objective *objective, int first, int last, const double *u,
-                          double *y);
-void objective_rest_diagonal(struct objective *objective, pdyn_part part, double *blocks);
+void objective_apply_remainder(struct objective *objective, int first, int last, const double *u,
+                               double *y);
+void objective_remainder_diagonal(struct objective *objective, pdyn_part part, double *blocks);
 
 /* The model of E around x as a function of a displacement d, which begins at 0 and moves along one
  * direction after the other. It is quadratic in pieces: one-sided constraints change sides. */

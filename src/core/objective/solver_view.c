@@ -32,13 +32,13 @@ static void diagonal(pdyn_model *model, pdyn_part part, double *blocks) {
     objective_diagonal(objective_of(model), part, blocks);
 }
 
-static void rest_product(pdyn_model *model, const double *u, double *y) {
+static void remainder_product(pdyn_model *model, const double *u, double *y) {
     const struct solver_view *view = (struct solver_view *)model;
-    objective_apply_rest(view->objective, view->first, view->last, u, y);
+    objective_apply_remainder(view->objective, view->first, view->last, u, y);
 }
 
-static void rest_diagonal(pdyn_model *model, pdyn_part part, double *blocks) {
-    objective_rest_diagonal(objective_of(model), part, blocks);
+static void remainder_diagonal(pdyn_model *model, pdyn_part part, double *blocks) {
+    objective_remainder_diagonal(objective_of(model), part, blocks);
 }
 
 static void solve_bodies(pdyn_model *model, const double *r, double *z) {
@@ -155,36 +155,37 @@ static void force(pdyn_model *model, int k, const double *multiplier, double *ou
 
 /* ---- the view -------------------------------------------------------------------------------- */
 
-static void update_rest(struct solver_view *rest, const struct solver_view *whole) {
-    struct objective *o = rest->objective;
-    rest->model.h = o->h, rest->model.eps = o->eps;
-    rest->model.bodies_alone = o->rigid && o->rigid->closed && !whole->model.elements_count;
-    memcpy(rest->in_rows, whole->in_rows, (size_t)o->particles * sizeof *rest->in_rows);
+static void update_remainder(struct solver_view *remainder, const struct solver_view *whole) {
+    struct objective *o = remainder->objective;
+    remainder->model.h = o->h, remainder->model.eps = o->eps;
+    remainder->model.bodies_alone = o->rigid && o->rigid->closed && !whole->model.elements_count;
+    memcpy(remainder->in_rows, whole->in_rows, (size_t)o->particles * sizeof *remainder->in_rows);
     for (int b = 0; b < o->batches; b++)
-        if (batch_comes_and_goes(o->batch[b])) batch_mark_selected(o->batch[b], rest->in_rows);
-    rest->first = 0, rest->last = o->particles;
-    while (rest->last > 0 && !rest->in_rows[rest->last - 1]) rest->last--;
-    while (rest->first < rest->last && !rest->in_rows[rest->first]) rest->first++;
+        if (batch_comes_and_goes(o->batch[b])) batch_mark_selected(o->batch[b], remainder->in_rows);
+    remainder->first = 0, remainder->last = o->particles;
+    while (remainder->last > 0 && !remainder->in_rows[remainder->last - 1]) remainder->last--;
+    while (remainder->first < remainder->last && !remainder->in_rows[remainder->first])
+        remainder->first++;
 }
 
 static void update_view(struct solver_view *view) {
     view->model.h = view->objective->h, view->model.eps = view->objective->eps;
-    update_rest(view->rest, view);
+    update_remainder(view->remainder, view);
 }
 
-static pdyn_status create_rest(struct solver_view *view) {
+static pdyn_status create_remainder(struct solver_view *view) {
     struct objective *o = view->objective;
-    view->rest = NEW_ARRAY(o->context, 1, struct solver_view);
-    if (!view->rest) return PDYN_NO_MEMORY;
-    struct solver_view *rest = view->rest;
-    *rest = (struct solver_view){.objective = o, .model = view->model};
-    rest->in_rows = NEW_ARRAY(o->context, o->particles, bool);
-    if (o->particles && !rest->in_rows) return PDYN_NO_MEMORY;
-    rest->model.in_rows = rest->in_rows;
-    rest->model.product = rest_product, rest->model.diagonal = rest_diagonal;
-    rest->model.matrix = NULL; /* that of the view contains the one-sided constraints */
-    rest->model.one_sided_count = 0;
-    view->model.rest = &rest->model;
+    view->remainder = NEW_ARRAY(o->context, 1, struct solver_view);
+    if (!view->remainder) return PDYN_NO_MEMORY;
+    struct solver_view *remainder = view->remainder;
+    *remainder = (struct solver_view){.objective = o, .model = view->model};
+    remainder->in_rows = NEW_ARRAY(o->context, o->particles, bool);
+    if (o->particles && !remainder->in_rows) return PDYN_NO_MEMORY;
+    remainder->model.in_rows = remainder->in_rows;
+    remainder->model.product = remainder_product, remainder->model.diagonal = remainder_diagonal;
+    remainder->model.matrix = NULL; /* that of the view contains the one-sided constraints */
+    remainder->model.one_sided_count = 0;
+    view->model.remainder = &remainder->model;
     update_view(view);
     return PDYN_OK;
 }
@@ -221,16 +222,16 @@ pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bo
                                .rate = rate,
                                .force = force,
                                .for_particles = for_particles};
-    return create_rest(view);
+    return create_remainder(view);
 }
 
 void solver_view_free(struct solver_view *view) {
     if (!view->objective) return;
-    if (view->rest) {
-        matrix_free(&view->rest->graph);
-        FREE_ARRAY(view->objective->context, view->rest->in_rows, view->objective->particles);
+    if (view->remainder) {
+        matrix_free(&view->remainder->graph);
+        FREE_ARRAY(view->objective->context, view->remainder->in_rows, view->objective->particles);
     }
-    FREE_ARRAY(view->objective->context, view->rest, 1);
+    FREE_ARRAY(view->objective->context, view->remainder, 1);
     hessian_matrix_free(&view->hessian);
     matrix_free(&view->graph);
     FREE_ARRAY(view->objective->context, view->in_rows, view->objective->particles);

@@ -9,7 +9,7 @@
 struct solver_view {
     pdyn_model model; /* first: callbacks get its address */
     struct objective *objective;
-    struct solver_view *rest;      /* the model without one-sided constraints */
+    struct solver_view *remainder; /* the model without one-sided constraints */
     bool *in_rows;                 /* particles */
     int first, last;               /* the particles first to before last concern a solve */
     struct hessian_matrix hessian; /* created when H is asked for first */

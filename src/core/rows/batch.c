@@ -93,7 +93,7 @@ void batch_apply(struct batch *b, const double *u, double *y) {
     batch_scatter(b, y);
 }
 
-void batch_apply_rest(struct batch *b, const double *u, double *y) {
+void batch_apply_remainder(struct batch *b, const double *u, double *y) {
     if (!b->op) {
         batch_apply(b, u, y);
     } else if (b->eps > 0.0) {
@@ -152,7 +152,7 @@ void batch_diagonal(struct batch *b, double *blocks) {
     else rows_diagonal(b, blocks);
 }
 
-void batch_rest_diagonal(struct batch *b, double *blocks) {
+void batch_remainder_diagonal(struct batch *b, double *blocks) {
     if (b->op) operator_diagonal(b, one_sided_projective_diagonal, blocks);
     else batch_diagonal(b, blocks);
 }

@@ -200,8 +200,8 @@ int batch_step_along(struct batch *batch, double t, double *y);
 void batch_diagonal(struct batch *batch, double *blocks);
 
 /* Products and diagonal without one-sided constraints: the part of H that always acts. */
-void batch_apply_rest(struct batch *batch, const double *u, double *y);
-void batch_rest_diagonal(struct batch *batch, double *blocks);
+void batch_apply_remainder(struct batch *batch, const double *u, double *y);
+void batch_remainder_diagonal(struct batch *batch, double *blocks);
 
 /* Sets selected[i] to true for each particle i that a row selects. */
 void batch_mark_selected(const struct batch *batch, bool *selected);

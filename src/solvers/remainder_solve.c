@@ -1,16 +1,16 @@
-#include "rest_solve.h"
+#include "remainder_solve.h"
 
 #include "memory.h"
 
 enum { GRAIN = 2048, MAX_ITERATIONS = 100 };
 
 struct call {
-    const struct rest_solve *s;
+    const struct remainder_solve *s;
     double *b, *y;
 };
 
-pdyn_status rest_solve_create(struct rest_solve *s, pdyn_model *whole) {
-    s->whole = whole, s->model = whole->rest;
+pdyn_status remainder_solve_create(struct remainder_solve *s, pdyn_model *whole) {
+    s->whole = whole, s->model = whole->remainder;
     s->coupled = whole->elements_count || whole->dynamic_count || whole->solve_bodies;
     s->mobility = NEW(whole->services, whole->particles, double);
     if (!s->mobility) return PDYN_NO_MEMORY;
@@ -20,21 +20,22 @@ pdyn_status rest_solve_create(struct rest_solve *s, pdyn_model *whole) {
     return status == PDYN_OK ? coarse_space_create(&s->coarse, s->model) : status;
 }
 
-void rest_solve_free(struct rest_solve *s) {
+void remainder_solve_free(struct remainder_solve *s) {
     if (s->whole) FREE(s->whole->services, s->mobility, s->whole->particles);
     pcg_free(&s->pcg);
     block_jacobi_free(&s->jacobi);
     coarse_space_free(&s->coarse);
 }
 
-static void for_particles(const struct rest_solve *s, pdyn_range_fn *fn, double *b, double *y) {
+static void for_particles(const struct remainder_solve *s, pdyn_range_fn *fn, double *b,
+                          double *y) {
     const pdyn_services *services = s->model->services;
     services->parallel_for(services->core, s->model->particles, GRAIN, fn, &(struct call){s, b, y});
 }
 
 static void compute_mobility(void *arg, int first, int last, int block) {
     (void)block;
-    const struct rest_solve *s = ((const struct call *)arg)->s;
+    const struct remainder_solve *s = ((const struct call *)arg)->s;
     pdyn_model *model = s->whole;
     for (int i = first; i < last; i++) s->mobility[i] = 0.0;
     for (int k = 0; k < model->one_sided_count; k++) {
@@ -47,7 +48,7 @@ static void compute_mobility(void *arg, int first, int last, int block) {
             1.0 / (model->mass[i] / (model->h * model->h) + model->eps * s->mobility[i]);
 }
 
-void rest_solve_update(struct rest_solve *s, bool first_of_step) {
+void remainder_solve_update(struct remainder_solve *s, bool first_of_step) {
     s->exact = !s->coupled || s->model->bodies_alone;
     for_particles(s, compute_mobility, NULL, NULL);
     if (!s->coupled) return;
@@ -78,18 +79,18 @@ static void solve_free(void *arg, int first, int last, int block) {
 }
 
 static void precondition(void *self, const double *r, double *z) {
-    struct rest_solve *s = self;
+    struct remainder_solve *s = self;
     block_jacobi_apply(&s->jacobi, r, z);
     coarse_space_correct(&s->coarse, r, z);
 }
 
-static int apply_exactly(struct rest_solve *s, double *b, double *y) {
+static int apply_exactly(struct remainder_solve *s, double *b, double *y) {
     for_particles(s, apply_mobility, b, y);
     if (s->coupled) s->whole->solve_bodies(s->whole, b, y);
     return 0;
 }
 
-int rest_solve_apply(struct rest_solve *s, double *b, double *y, double tolerance) {
+int remainder_solve_apply(struct remainder_solve *s, double *b, double *y, double tolerance) {
     const pdyn_stop stop = {
         .rel_tol = tolerance, .max_iterations = MAX_ITERATIONS, .first_of_step = true};
     int iterations = 0;

@@ -3,14 +3,14 @@
  * of I and are solved exactly: all of them in a fluid alone. Rigid bodies that nothing ties to each
  * other are solved exactly, too. The other particles take conjugate gradients with a two-level
  * preconditioner (block Jacobi and the coarse space). */
-#ifndef PDYN_REST_SOLVE_H
-#define PDYN_REST_SOLVE_H
+#ifndef PDYN_REMAINDER_SOLVE_H
+#define PDYN_REMAINDER_SOLVE_H
 
 #include "block_jacobi.h"
 #include "coarse_space.h"
 #include "pcg.h"
 
-struct rest_solve {
+struct remainder_solve {
     pdyn_model *whole; /* H */
     pdyn_model *model; /* A */
     bool coupled;      /* there are rows or rigid bodies: A is not diagonal */
@@ -22,16 +22,16 @@ struct rest_solve {
 };
 
 /* Zeroed before; after a failure it is to be freed, too. */
-pdyn_status rest_solve_create(struct rest_solve *solve, pdyn_model *whole);
-void rest_solve_free(struct rest_solve *solve);
+pdyn_status remainder_solve_create(struct remainder_solve *solve, pdyn_model *whole);
+void remainder_solve_free(struct remainder_solve *solve);
 
 /* A has changed. */
-void rest_solve_update(struct rest_solve *solve, bool first_of_step);
+void remainder_solve_update(struct remainder_solve *solve, bool first_of_step);
 
 /* y = A^-1 b; b becomes the residual, or stays where the solve is exact. It ends where the residual
  * is `tolerance` of b's, or the error of y in the norm of A `tolerance` of y: the residual of
  * forces that act on a part of a sheet grows at first while the error falls. Not coupled: y may be
  * b. Returns the number of iterations. */
-int rest_solve_apply(struct rest_solve *solve, double *b, double *y, double tolerance);
+int remainder_solve_apply(struct remainder_solve *solve, double *b, double *y, double tolerance);
 
 #endif
