@@ -33,6 +33,8 @@ void warn_of_fills(struct pdyn_sim *sim, int body);
 double warn_mean_edge(const pdyn_body *body);
 /* Whether a pin, or an attachment to another body, holds the body. */
 bool warn_is_held(const struct scene_body *body);
+/* The body of particles with the least rest density; NULL: there is none. */
+const pdyn_body *warn_lightest_fluid(const struct pdyn_sim *sim);
 /* Warns of particles in gaps without room for them. density_error_max: of the step. */
 void warn_of_gaps(struct pdyn_sim *sim, double density_error_max);
 

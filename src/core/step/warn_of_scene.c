@@ -74,21 +74,13 @@ static void check_elements(struct pdyn_sim *sim) {
     }
 }
 
-/* Whether the scene gives a constraint one stiffness, which the scene does not change. A bending
- * rigidity is no stiffness here: 0 is common, as a sheet keeps together without. */
-static bool has_one_stiffness(const struct scene_constraint *c) {
-    bool found = false;
-    for (const pdyn_param *p = c->type->params; p->name; p++)
-        found |= strstr(p->name, "stiffness") != NULL;
-    return found && !c->keyed_params;
-}
-
-/* Constraints whose elements all have the weight 0 because of their stiffness. */
+/* Constraints whose elements all have the weight 0, which no key of the scene changes. A bending
+ * rigidity of 0 is common: a sheet keeps together without. */
 static void check_stiffness(struct pdyn_sim *sim, const struct scene_constraint *c,
                             const struct batch *batch) {
     double largest = 0.0;
-    if (batch->op || batch->off || !batch->view.elements || !batch_is_steady(batch)) return;
-    if (!has_one_stiffness(c)) return;
+    if (!batch_is_static(batch) || !batch_is_steady(batch) || batch->off) return;
+    if (!batch->view.elements || c->keyed_params || !strcmp(c->type->name, "bending")) return;
     for (int e = 0; e < batch->view.elements; e++) largest = fmax(largest, batch->view.weight[e]);
     if (largest == 0.0)
         WARN(sim, NO_EFFECT, batch->view.body->name, "\"%s\" has no effect: its stiffness is 0",

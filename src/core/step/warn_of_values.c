@@ -83,18 +83,12 @@ static void check_collapse(struct pdyn_sim *sim, int b, const struct scene_const
              stiffness, pressure);
 }
 
-static bool has_fluid(const struct pdyn_sim *sim) {
-    for (int b = 0; b < sim->bodies; b++)
-        if (body_is_particles(&sim->body[b])) return true;
-    return false;
-}
-
 static void check_body(struct pdyn_sim *sim, int b) {
     const struct scene_body *body = &sim->scene.body[b];
     for (int k = 0; k < body->constraints; k++) {
         const struct scene_constraint *c = &body->constraint[k];
         check_parameters(sim, body, c);
-        if (!strcmp(c->type->name, "tet") && !has_fluid(sim)) check_collapse(sim, b, c);
+        if (!strcmp(c->type->name, "tet") && !warn_lightest_fluid(sim)) check_collapse(sim, b, c);
     }
 }
 

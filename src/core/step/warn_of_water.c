@@ -15,8 +15,7 @@ static const double light_share = 0.02, sinking_share = 0.5;
 /* Width of a strip that flows around, in particle spacings. */
 static const double narrow = 2.0;
 
-/* The lightest body of particles; NULL: there is none. */
-static const pdyn_body *find_fluid(const struct pdyn_sim *sim) {
+const pdyn_body *warn_lightest_fluid(const struct pdyn_sim *sim) {
     const pdyn_body *lightest = NULL;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
@@ -106,7 +105,7 @@ static void check_edges(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
 
 void warn_of_water(struct pdyn_sim *sim) {
     const struct scene_settings *settings = &sim->scene.settings;
-    const pdyn_body *fluid = find_fluid(sim);
+    const pdyn_body *fluid = warn_lightest_fluid(sim);
     bool sinks = vec3_length(settings->gravity) > 0.0 || settings->gravity_keys.path.count;
     for (int b = 0; b < sim->bodies && fluid; b++) {
         if (sinks) check_weight(sim, b, fluid);
