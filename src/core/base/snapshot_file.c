@@ -23,59 +23,61 @@ uint64_t hash_bytes(uint64_t hash, const void *data, size_t size) {
 /* ---- bytes ----------------------------------------------------------------------------------- */
 
 static void write_bytes(pdyn_snapshot *view, void *data, size_t size) {
-    struct snapshot_file *a = (struct snapshot_file *)view;
-    a->hash = hash_bytes(a->hash, data, size);
-    file_out_bytes(&a->out, data, size);
+    struct snapshot_file *file = (struct snapshot_file *)view;
+    file->hash = hash_bytes(file->hash, data, size);
+    file_out_bytes(&file->out, data, size);
 }
 
 static void read_bytes(pdyn_snapshot *view, void *data, size_t size) {
-    struct snapshot_file *a = (struct snapshot_file *)view;
-    bool complete = size <= a->left && fread(data, 1, size, a->in) == size;
-    a->left -= complete ? size : a->left;
-    if (complete && a->status == PDYN_OK) return;
+    struct snapshot_file *file = (struct snapshot_file *)view;
+    bool complete = size <= file->left && fread(data, 1, size, file->in) == size;
+    file->left -= complete ? size : file->left;
+    if (complete && file->status == PDYN_OK) return;
     memset(data, 0, size);
-    if (a->status == PDYN_OK)
-        a->status = context_fail(a->context, PDYN_BAD_INPUT,
-                                 "%.1024s: the state ends too early: it was saved by another scene "
-                                 "or version",
-                                 a->path);
+    if (file->status == PDYN_OK)
+        file->status =
+            context_fail(file->context, PDYN_BAD_INPUT,
+                         "%.1024s: the state ends too early: it was saved by another scene "
+                         "or version",
+                         file->path);
 }
 
-void snapshot_file_bytes(struct snapshot_file *a, void *data, size_t size) {
-    if (size) a->view.bytes(&a->view, data, size);
+void snapshot_file_bytes(struct snapshot_file *file, void *data, size_t size) {
+    if (size) file->view.bytes(&file->view, data, size);
 }
 
-void snapshot_file_expect(struct snapshot_file *a, uint64_t value, const char *what) {
+void snapshot_file_expect(struct snapshot_file *file, uint64_t value, const char *what) {
     uint64_t found = value;
-    SNAPSHOT(a, found);
-    if (a->status == PDYN_OK && found != value)
-        a->status = context_fail(a->context, PDYN_BAD_INPUT,
-                                 "%.1024s: the state was saved with other %s", a->path, what);
+    SNAPSHOT(file, found);
+    if (file->status == PDYN_OK && found != value)
+        file->status = context_fail(file->context, PDYN_BAD_INPUT,
+                                    "%.1024s: the state was saved with other %s", file->path, what);
 }
 
 /* ---- a state in memory ----------------------------------------------------------------------- */
 
 static void write_memory(pdyn_snapshot *view, void *data, size_t size) {
-    struct snapshot_file *a = (struct snapshot_file *)view;
-    unsigned char *moved = a->status == PDYN_OK
-                               ? context_grow(a->context, a->memory, &a->room, a->filled + size, 1)
-                               : NULL;
+    struct snapshot_file *file = (struct snapshot_file *)view;
+    unsigned char *moved =
+        file->status == PDYN_OK
+            ? context_grow(file->context, file->memory, &file->room, file->filled + size, 1)
+            : NULL;
     if (!moved) {
-        a->status = PDYN_NO_MEMORY;
+        file->status = PDYN_NO_MEMORY;
         return;
     }
-    a->memory = moved;
-    memcpy(a->memory + a->filled, data, size);
-    a->filled += size;
+    file->memory = moved;
+    memcpy(file->memory + file->filled, data, size);
+    file->filled += size;
 }
 
 static void read_memory(pdyn_snapshot *view, void *data, size_t size) {
-    struct snapshot_file *a = (struct snapshot_file *)view;
-    bool complete = a->status == PDYN_OK && size <= a->filled - a->taken;
-    if (complete) memcpy(data, a->memory + a->taken, size);
+    struct snapshot_file *file = (struct snapshot_file *)view;
+    bool complete = file->status == PDYN_OK && size <= file->filled - file->taken;
+    if (complete) memcpy(data, file->memory + file->taken, size);
     else memset(data, 0, size);
-    a->taken += complete ? size : 0;
-    snapshot_file_require(a, complete, "it ends too early");
+    file->taken += complete ? size : 0;
+    snapshot_file_require(file, complete, "it ends too early");
 }
 
 void snapshot_memory_create(pdyn_context *context, struct snapshot_file *out) {
@@ -85,23 +87,23 @@ void snapshot_memory_create(pdyn_context *context, struct snapshot_file *out) {
                                   .in_memory = true};
 }
 
-void snapshot_memory_rewind(struct snapshot_file *a) {
-    a->view = (pdyn_snapshot){.reading = true, .bytes = read_memory};
-    a->taken = 0;
+void snapshot_memory_rewind(struct snapshot_file *file) {
+    file->view = (pdyn_snapshot){.reading = true, .bytes = read_memory};
+    file->taken = 0;
 }
 
 /* ---- a buffer of the caller ------------------------------------------------------------------ */
 
-static void append(struct snapshot_file *a, const void *data, size_t size) {
-    if (a->filled <= a->room && size <= a->room - a->filled)
-        memcpy(a->memory + a->filled, data, size);
-    a->filled += size;
+static void append(struct snapshot_file *file, const void *data, size_t size) {
+    if (file->filled <= file->room && size <= file->room - file->filled)
+        memcpy(file->memory + file->filled, data, size);
+    file->filled += size;
 }
 
 static void write_buffer(pdyn_snapshot *view, void *data, size_t size) {
-    struct snapshot_file *a = (struct snapshot_file *)view;
-    a->hash = hash_bytes(a->hash, data, size);
-    append(a, data, size);
+    struct snapshot_file *file = (struct snapshot_file *)view;
+    file->hash = hash_bytes(file->hash, data, size);
+    append(file, data, size);
 }
 
 void snapshot_buffer_create(pdyn_context *context, void *buffer, size_t capacity,
@@ -115,55 +117,56 @@ void snapshot_buffer_create(pdyn_context *context, void *buffer, size_t capacity
     append(out, &order_mark, sizeof order_mark);
 }
 
-size_t snapshot_buffer_end(struct snapshot_file *a) {
-    append(a, &a->hash, sizeof a->hash);
-    return a->filled;
+size_t snapshot_buffer_end(struct snapshot_file *file) {
+    append(file, &file->hash, sizeof file->hash);
+    return file->filled;
 }
 
 /* ---- checks of values that are read ---------------------------------------------------------- */
 
-void snapshot_file_require(struct snapshot_file *a, bool valid, const char *what) {
-    if (valid || !a->view.reading || a->status != PDYN_OK) return;
-    a->status = context_fail(a->context, PDYN_BAD_INPUT,
-                             "%.1024s: not a saved state of this scene: %s", a->path, what);
+void snapshot_file_require(struct snapshot_file *file, bool valid, const char *what) {
+    if (valid || !file->view.reading || file->status != PDYN_OK) return;
+    file->status = context_fail(file->context, PDYN_BAD_INPUT,
+                                "%.1024s: not a saved state of this scene: %s", file->path, what);
 }
 
-void snapshot_file_range(struct snapshot_file *a, double *value, size_t count, double max,
+void snapshot_file_range(struct snapshot_file *file, double *value, size_t count, double max,
                          const char *what) {
     bool valid = true;
-    snapshot_file_bytes(a, value, count * sizeof *value);
-    for (size_t k = 0; a->view.reading && k < count; k++)
+    snapshot_file_bytes(file, value, count * sizeof *value);
+    for (size_t k = 0; file->view.reading && k < count; k++)
         valid &= fabs(value[k]) <= max; /* false for NaN */
-    snapshot_file_require(a, valid, what);
+    snapshot_file_require(file, valid, what);
 }
 
-void snapshot_file_numbers(struct snapshot_file *a, double *value, size_t count, const char *what) {
-    snapshot_file_range(a, value, count, DBL_MAX, what);
+void snapshot_file_numbers(struct snapshot_file *file, double *value, size_t count,
+                           const char *what) {
+    snapshot_file_range(file, value, count, DBL_MAX, what);
 }
 
 /* A byte other than 0 and 1 must not be read as bool: bytes are checked first, and replaced. */
-void snapshot_file_flags(struct snapshot_file *a, bool *value, size_t count, const char *what) {
+void snapshot_file_flags(struct snapshot_file *file, bool *value, size_t count, const char *what) {
     unsigned char *byte = (unsigned char *)value;
     bool valid = true;
-    snapshot_file_bytes(a, value, count * sizeof *value);
-    for (size_t k = 0; a->view.reading && k < count * sizeof *value; k++) {
+    snapshot_file_bytes(file, value, count * sizeof *value);
+    for (size_t k = 0; file->view.reading && k < count * sizeof *value; k++) {
         valid &= byte[k] <= 1;
         byte[k] &= 1;
     }
-    snapshot_file_require(a, valid, what);
+    snapshot_file_require(file, valid, what);
 }
 
-void snapshot_file_long(struct snapshot_file *a, long *value, long max, const char *what) {
-    SNAPSHOT(a, *value);
-    snapshot_file_require(a, *value >= 0 && *value <= max, what);
+void snapshot_file_long(struct snapshot_file *file, long *value, long max, const char *what) {
+    SNAPSHOT(file, *value);
+    snapshot_file_require(file, *value >= 0 && *value <= max, what);
 }
 
-void snapshot_file_count(struct snapshot_file *a, int *value, size_t size, const char *what) {
-    SNAPSHOT(a, *value);
-    size_t left = a->in_memory ? a->filled - a->taken : a->left;
+void snapshot_file_count(struct snapshot_file *file, int *value, size_t size, const char *what) {
+    SNAPSHOT(file, *value);
+    size_t left = file->in_memory ? file->filled - file->taken : file->left;
     bool valid = *value >= 0 && (size_t)*value <= left / size;
-    snapshot_file_require(a, valid, what);
-    if (a->view.reading && !valid) *value = 0;
+    snapshot_file_require(file, valid, what);
+    if (file->view.reading && !valid) *value = 0;
 }
 
 /* ---- writing --------------------------------------------------------------------------------- */
@@ -181,50 +184,51 @@ pdyn_status snapshot_file_create(pdyn_context *context, const char *path,
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-static pdyn_status damaged(const struct snapshot_file *a, const char *what) {
-    return context_fail(a->context, PDYN_BAD_INPUT, "%.1024s: %s", a->path, what);
+static pdyn_status damaged(const struct snapshot_file *file, const char *what) {
+    return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: %s", file->path, what);
 }
 
-static pdyn_status wrong_checksum(const struct snapshot_file *a) {
-    return damaged(a, "the state is damaged: its checksum is wrong");
+static pdyn_status wrong_checksum(const struct snapshot_file *file) {
+    return damaged(file, "the state is damaged: its checksum is wrong");
 }
 
 /* Compares the hash of `size` bytes of content with the hash that follows them in the file. */
-static pdyn_status check_content(struct snapshot_file *a, size_t size) {
+static pdyn_status check_content(struct snapshot_file *file, size_t size) {
     unsigned char buffer[CHUNK];
     uint64_t hash = HASH_BEGIN, found = 0;
     for (size_t left = size; left; left -= left < CHUNK ? left : CHUNK) {
         size_t part = left < CHUNK ? left : CHUNK;
-        if (fread(buffer, 1, part, a->in) != part) return damaged(a, "cannot be read");
+        if (fread(buffer, 1, part, file->in) != part) return damaged(file, "cannot be read");
         hash = hash_bytes(hash, buffer, part);
     }
-    if (fread(&found, 1, sizeof found, a->in) != sizeof found || found != hash)
-        return wrong_checksum(a);
+    if (fread(&found, 1, sizeof found, file->in) != sizeof found || found != hash)
+        return wrong_checksum(file);
     return PDYN_OK;
 }
 
-static pdyn_status no_state(const struct snapshot_file *a) {
-    return damaged(a, "expected a state saved by this version of projdyn");
+static pdyn_status no_state(const struct snapshot_file *file) {
+    return damaged(file, "expected a state saved by this version of projdyn");
 }
 
-static pdyn_status check_head(const struct snapshot_file *a, const unsigned char head[HEAD]) {
+static pdyn_status check_head(const struct snapshot_file *file, const unsigned char head[HEAD]) {
     const size_t word = sizeof magic - 1;
-    if (memcmp(head, magic, word)) return no_state(a);
+    if (memcmp(head, magic, word)) return no_state(file);
     if (memcmp(head + word, &order_mark, sizeof order_mark))
-        return damaged(a, "the state was saved on a machine with another byte order");
+        return damaged(file, "the state was saved on a machine with another byte order");
     return PDYN_OK;
 }
 
-static pdyn_status check_file(struct snapshot_file *a) {
+static pdyn_status check_file(struct snapshot_file *file) {
     struct stat info;
     unsigned char head[HEAD];
-    if (fstat(fileno(a->in), &info) || !S_ISREG(info.st_mode) || info.st_size < HEAD + TAIL ||
-        fread(head, 1, HEAD, a->in) != HEAD)
-        return no_state(a);
-    a->left = (size_t)info.st_size - HEAD - TAIL;
-    pdyn_status status = check_head(a, head);
-    if (status == PDYN_OK) status = check_content(a, a->left);
-    if (status == PDYN_OK && fseek(a->in, HEAD, SEEK_SET)) return damaged(a, "cannot be read");
+    if (fstat(fileno(file->in), &info) || !S_ISREG(info.st_mode) || info.st_size < HEAD + TAIL ||
+        fread(head, 1, HEAD, file->in) != HEAD)
+        return no_state(file);
+    file->left = (size_t)info.st_size - HEAD - TAIL;
+    pdyn_status status = check_head(file, head);
+    if (status == PDYN_OK) status = check_content(file, file->left);
+    if (status == PDYN_OK && fseek(file->in, HEAD, SEEK_SET))
+        return damaged(file, "cannot be read");
     return status;
 }
 
@@ -256,21 +260,21 @@ pdyn_status snapshot_buffer_open(pdyn_context *context, const void *buffer, size
     return status;
 }
 
-pdyn_status snapshot_file_close(struct snapshot_file *a) {
-    if (a->borrowed) return a->status;
-    if (a->in_memory) {
-        FREE_ARRAY(a->context, a->memory, a->room);
-        return a->status;
+pdyn_status snapshot_file_close(struct snapshot_file *file) {
+    if (file->borrowed) return file->status;
+    if (file->in_memory) {
+        FREE_ARRAY(file->context, file->memory, file->room);
+        return file->status;
     }
-    if (a->in) {
-        fclose(a->in);
-        return a->status;
+    if (file->in) {
+        fclose(file->in);
+        return file->status;
     }
-    if (a->status != PDYN_OK) {
-        file_out_discard(&a->out);
-        return a->status;
+    if (file->status != PDYN_OK) {
+        file_out_discard(&file->out);
+        return file->status;
     }
-    file_out_bytes(&a->out, &a->hash, sizeof a->hash);
-    file_out_sync(&a->out);
-    return file_out_close(&a->out);
+    file_out_bytes(&file->out, &file->hash, sizeof file->hash);
+    file_out_sync(&file->out);
+    return file_out_close(&file->out);
 }

@@ -66,12 +66,13 @@ static bool is_valid(const struct warning *w) {
            is_text(w->text, sizeof w->text);
 }
 
-void warnings_persist(struct warning_list *list, struct snapshot_file *a) {
-    snapshot_file_count(a, &list->count, sizeof *list->item, "the number of warnings is invalid");
-    snapshot_file_require(a, list->count <= WARNINGS_MAX, "the number of warnings is too large");
-    if (a->status != PDYN_OK) list->count = 0;
-    snapshot_file_bytes(a, list->item, (size_t)list->count * sizeof *list->item);
+void warnings_persist(struct warning_list *list, struct snapshot_file *file) {
+    snapshot_file_count(file, &list->count, sizeof *list->item,
+                        "the number of warnings is invalid");
+    snapshot_file_require(file, list->count <= WARNINGS_MAX, "the number of warnings is too large");
+    if (file->status != PDYN_OK) list->count = 0;
+    snapshot_file_bytes(file, list->item, (size_t)list->count * sizeof *list->item);
     for (int k = 0; k < list->count; k++)
-        snapshot_file_require(a, is_valid(&list->item[k]), "a warning is invalid");
-    if (a->status != PDYN_OK) list->count = 0;
+        snapshot_file_require(file, is_valid(&list->item[k]), "a warning is invalid");
+    if (file->status != PDYN_OK) list->count = 0;
 }

@@ -219,18 +219,18 @@ static bool regions_are_valid(const struct contact *c) {
 /* After reading, the pairs are found again as in the last search, from regions and positions of
  * that time: particles that came, went or were moved since are looked at by the next step, with or
  * without a restart between. */
-void contact_persist(struct contact *c, struct snapshot_file *a) {
+void contact_persist(struct contact *c, struct snapshot_file *file) {
     size_t n = (size_t)c->points;
-    snapshot_file_bytes(a, c->broad.region, n * sizeof *c->broad.region);
-    snapshot_file_numbers(a, c->broad.reach, n, "a reach of contact is not finite");
-    snapshot_file_numbers(a, c->broad.built, 3 * n, "a position of contact is not finite");
-    snapshot_file_range(a, c->at, 3 * n, STATE_MAX_POSITION,
+    snapshot_file_bytes(file, c->broad.region, n * sizeof *c->broad.region);
+    snapshot_file_numbers(file, c->broad.reach, n, "a reach of contact is not finite");
+    snapshot_file_numbers(file, c->broad.built, 3 * n, "a position of contact is not finite");
+    snapshot_file_range(file, c->at, 3 * n, STATE_MAX_POSITION,
                         "a position of contact is out of range");
-    snapshot_file_flags(a, &c->lagging, 1, "the flag of solids is neither 0 nor 1");
-    row_memory_persist(c->context, &c->pressed, sizeof *c->current.force, a);
-    if (!a->view.reading || a->status != PDYN_OK) return;
-    snapshot_file_require(a, regions_are_valid(c), "a region of contact is wrong");
-    if (a->status == PDYN_OK) a->status = contact_list(c);
+    snapshot_file_flags(file, &c->lagging, 1, "the flag of solids is neither 0 nor 1");
+    row_memory_persist(c->context, &c->pressed, sizeof *c->current.force, file);
+    if (!file->view.reading || file->status != PDYN_OK) return;
+    snapshot_file_require(file, regions_are_valid(c), "a region of contact is wrong");
+    if (file->status == PDYN_OK) file->status = contact_list(c);
     contact_measure_moved(c, c->at);
-    if (a->status == PDYN_OK) a->status = contact_find(c);
+    if (file->status == PDYN_OK) file->status = contact_find(c);
 }

@@ -14,152 +14,155 @@
 static const long max_count = 1L << 52;
 
 /* Time, and the lengths of the last steps. A step ends at the next frame at the latest. */
-static void persist_time(struct pdyn_sim *sim, struct snapshot_file *a) {
+static void persist_time(struct pdyn_sim *sim, struct snapshot_file *file) {
     const double interval = sim->scene.settings.frame_interval, rounding = 1e-6 * interval;
-    snapshot_file_numbers(a, &sim->time, 1, "the time is not finite");
-    snapshot_file_long(a, &sim->frame, max_count, "the number of frames is out of range");
-    snapshot_file_long(a, &sim->steps, max_count, "the number of steps is out of range");
-    snapshot_file_numbers(a, &sim->last_h, 1, "the step length is not finite");
-    snapshot_file_numbers(a, &sim->history, 1, "the length of the history is not finite");
+    snapshot_file_numbers(file, &sim->time, 1, "the time is not finite");
+    snapshot_file_long(file, &sim->frame, max_count, "the number of frames is out of range");
+    snapshot_file_long(file, &sim->steps, max_count, "the number of steps is out of range");
+    snapshot_file_numbers(file, &sim->last_h, 1, "the step length is not finite");
+    snapshot_file_numbers(file, &sim->history, 1, "the length of the history is not finite");
     double since = sim->time - (double)sim->frame * interval;
-    snapshot_file_require(a, since >= -rounding && since <= interval + rounding,
+    snapshot_file_require(file, since >= -rounding && since <= interval + rounding,
                           "time and number of frames do not belong together");
-    snapshot_file_require(a, sim->last_h >= 0.0 && sim->last_h <= sim->time + rounding,
+    snapshot_file_require(file, sim->last_h >= 0.0 && sim->last_h <= sim->time + rounding,
                           "the step length is out of range");
-    snapshot_file_require(a, sim->history == 0.0 || sim->history == sim->last_h,
+    snapshot_file_require(file, sim->history == 0.0 || sim->history == sim->last_h,
                           "the history is not as long as the last step");
 }
 
-static void persist_numbers(struct pdyn_sim *sim, struct snapshot_file *a) {
-    persist_time(sim, a);
-    SNAPSHOT(a, sim->eps);
-    snapshot_file_require(a, sim->eps >= 0.0 && sim->eps <= 1.0,
+static void persist_numbers(struct pdyn_sim *sim, struct snapshot_file *file) {
+    persist_time(sim, file);
+    SNAPSHOT(file, sim->eps);
+    snapshot_file_require(file, sim->eps >= 0.0 && sim->eps <= 1.0,
                           "the damping is not between 0 and 1");
-    snapshot_file_flags(a, &sim->far_off, 1, "a flag of the last step is neither 0 nor 1");
+    snapshot_file_flags(file, &sim->far_off, 1, "a flag of the last step is neither 0 nor 1");
 }
 
-static void persist_particles(struct pdyn_sim *sim, struct snapshot_file *a) {
+static void persist_particles(struct pdyn_sim *sim, struct snapshot_file *file) {
     size_t n = (size_t)sim->objective.particles;
     double *states[][2] = {{sim->x, sim->v}, {sim->x_before, sim->v_before}};
     double *numbers[] = {sim->density, sim->pressure, sim->pressure_before};
     for (size_t k = 0; k < sizeof states / sizeof *states && states[k][0]; k++) {
-        snapshot_file_range(a, states[k][0], 3 * n, STATE_MAX_POSITION,
+        snapshot_file_range(file, states[k][0], 3 * n, STATE_MAX_POSITION,
                             "a position is out of range");
-        snapshot_file_range(a, states[k][1], 3 * n, STATE_MAX_SPEED, "a velocity is out of range");
+        snapshot_file_range(file, states[k][1], 3 * n, STATE_MAX_SPEED,
+                            "a velocity is out of range");
     }
-    snapshot_file_numbers(a, sim->constraint_acceleration, 3 * n, "an acceleration is not finite");
+    snapshot_file_numbers(file, sim->constraint_acceleration, 3 * n,
+                          "an acceleration is not finite");
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
-        snapshot_file_numbers(a, numbers[k], n, "a density or pressure is not finite");
+        snapshot_file_numbers(file, numbers[k], n, "a density or pressure is not finite");
 }
 
 /* Neighbour lists are built again at the positions of their last build, because the order of their
  * entries determines rounding errors of sums; then solids are moved to the current time. */
-static void persist_neighbours(struct pdyn_sim *sim, struct snapshot_file *a) {
+static void persist_neighbours(struct pdyn_sim *sim, struct snapshot_file *file) {
     if (!sim->objective.neighbours) return;
-    if (a->view.reading && a->status == PDYN_OK) live_particles_update_lists(sim);
-    neighbours_persist(sim->objective.neighbours, a);
-    if (!a->view.reading || a->status != PDYN_OK) return;
-    a->status = objective_share_lists(&sim->objective);
+    if (file->view.reading && file->status == PDYN_OK) live_particles_update_lists(sim);
+    neighbours_persist(sim->objective.neighbours, file);
+    if (!file->view.reading || file->status != PDYN_OK) return;
+    file->status = objective_share_lists(&sim->objective);
     kinematic_move(sim, sim->time);
 }
 
 /* Keeps the first error: that of the file, or that of a module. */
-static void note_status(struct snapshot_file *a, pdyn_status status) {
-    if (a->status == PDYN_OK) a->status = status;
+static void note_status(struct snapshot_file *file, pdyn_status status) {
+    if (file->status == PDYN_OK) file->status = status;
 }
 
 /* After an error no module is called: it would read zeros. */
-static void persist_modules(struct pdyn_sim *sim, struct snapshot_file *a) {
-    for (int b = 0; b < sim->objective.batches && a->status == PDYN_OK; b++) {
+static void persist_modules(struct pdyn_sim *sim, struct snapshot_file *file) {
+    for (int b = 0; b < sim->objective.batches && file->status == PDYN_OK; b++) {
         struct batch *batch = sim->objective.batch[b];
         if (batch->op && batch->type->matrix_free->persist)
-            note_status(a, batch->type->matrix_free->persist(batch->op, &a->view));
-        if (batch->op && a->status == PDYN_OK) one_sided_persist(&batch->one_sided, a);
+            note_status(file, batch->type->matrix_free->persist(batch->op, &file->view));
+        if (batch->op && file->status == PDYN_OK) one_sided_persist(&batch->one_sided, file);
         size_t size = batch->type->memory_size;
-        if (size) row_memory_persist(sim->context, &batch->memory, size, a);
-        if (a->view.reading && a->status == PDYN_OK && batch_is_static(batch)) batch_recall(batch);
+        if (size) row_memory_persist(sim->context, &batch->memory, size, file);
+        if (file->view.reading && file->status == PDYN_OK && batch_is_static(batch))
+            batch_recall(batch);
     }
-    if (a->status == PDYN_OK) solver_choice_persist(sim, a);
+    if (file->status == PDYN_OK) solver_choice_persist(sim, file);
 }
 
 /* Writes what identifies the scene, or reads it and compares. */
-static pdyn_status persist_scene(struct pdyn_sim *sim, struct snapshot_file *a) {
-    snapshot_file_expect(a, hash_bytes(HASH_BEGIN, PROJDYN_VERSION, strlen(PROJDYN_VERSION)),
+static pdyn_status persist_scene(struct pdyn_sim *sim, struct snapshot_file *file) {
+    snapshot_file_expect(file, hash_bytes(HASH_BEGIN, PROJDYN_VERSION, strlen(PROJDYN_VERSION)),
                          "versions of projdyn");
     snapshot_file_expect(
-        a, sim->scene.fingerprint,
+        file, sim->scene.fingerprint,
         "values in its scene; only the duration, colours, step lengths, and tolerances and "
         "iterations of the solver may change");
     snapshot_file_expect(
-        a, (uint64_t)sim->objective.particles,
+        file, (uint64_t)sim->objective.particles,
         "numbers of particles (to resume for longer, inlets need a \"budget\" from the "
         "start)");
-    snapshot_file_expect(a, hash_bytes(HASH_BEGIN, sim->rest, objective_bytes(&sim->objective)),
+    snapshot_file_expect(file, hash_bytes(HASH_BEGIN, sim->rest, objective_bytes(&sim->objective)),
                          "positions at rest");
-    snapshot_file_expect(a, fingerprint_of_meshes(&sim->scene), "meshes");
-    snapshot_file_expect(a, (uint64_t)sim->boundary.at.count, "numbers of boundary points");
-    snapshot_file_expect(a, (uint64_t)(sim->objective.batches - sim->control.batches),
+    snapshot_file_expect(file, fingerprint_of_meshes(&sim->scene), "meshes");
+    snapshot_file_expect(file, (uint64_t)sim->boundary.at.count, "numbers of boundary points");
+    snapshot_file_expect(file, (uint64_t)(sim->objective.batches - sim->control.batches),
                          "constraints");
-    return a->status;
+    return file->status;
 }
 
 /* The solver that the scene and its holds ask for. */
-static void persist_solver(struct pdyn_sim *sim, struct snapshot_file *a) {
+static void persist_solver(struct pdyn_sim *sim, struct snapshot_file *file) {
     const char *solver = pdyn_solver_type(sim);
-    if (a->status != PDYN_OK) return;
-    snapshot_file_expect(a, hash_bytes(HASH_BEGIN, solver, strlen(solver)), "solvers");
+    if (file->status != PDYN_OK) return;
+    snapshot_file_expect(file, hash_bytes(HASH_BEGIN, solver, strlen(solver)), "solvers");
 }
 
-static pdyn_status persist_state(struct pdyn_sim *sim, struct snapshot_file *a) {
-    persist_numbers(sim, a);
-    control_persist(sim, a);
-    persist_solver(sim, a);
-    warnings_persist(&sim->warnings, a);
-    energy_budget_persist(sim, a);
-    crossings_persist(sim, a);
-    persist_particles(sim, a);
-    live_particles_persist(sim, a);
-    probes_persist(sim, a);
-    persist_neighbours(sim, a);
-    persist_modules(sim, a);
-    if (sim->objective.contact) contact_persist(sim->objective.contact, a);
-    return a->status;
+static pdyn_status persist_state(struct pdyn_sim *sim, struct snapshot_file *file) {
+    persist_numbers(sim, file);
+    control_persist(sim, file);
+    persist_solver(sim, file);
+    warnings_persist(&sim->warnings, file);
+    energy_budget_persist(sim, file);
+    crossings_persist(sim, file);
+    persist_particles(sim, file);
+    live_particles_persist(sim, file);
+    probes_persist(sim, file);
+    persist_neighbours(sim, file);
+    persist_modules(sim, file);
+    if (sim->objective.contact) contact_persist(sim->objective.contact, file);
+    return file->status;
 }
 
 /* ---- writing and reading --------------------------------------------------------------------- */
 
-pdyn_status snapshot_write(struct pdyn_sim *sim, struct snapshot_file *a) {
-    a->status = control_settle(sim);
-    return a->status == PDYN_OK && persist_scene(sim, a) == PDYN_OK ? persist_state(sim, a)
-                                                                    : a->status;
+pdyn_status snapshot_write(struct pdyn_sim *sim, struct snapshot_file *file) {
+    file->status = control_settle(sim);
+    return file->status == PDYN_OK && persist_scene(sim, file) == PDYN_OK ? persist_state(sim, file)
+                                                                          : file->status;
 }
 
 /* Positions at which lists cannot be built make the search fail with PDYN_DIVERGED. */
-static pdyn_status read_state(struct pdyn_sim *sim, struct snapshot_file *a) {
-    pdyn_status status = persist_state(sim, a);
+static pdyn_status read_state(struct pdyn_sim *sim, struct snapshot_file *file) {
+    pdyn_status status = persist_state(sim, file);
     if (status != PDYN_DIVERGED) return status;
     char why[512];
     snprintf(why, sizeof why, "%s", context_error());
-    a->status = PDYN_OK;
-    snapshot_file_require(a, false, why);
-    return a->status;
+    file->status = PDYN_OK;
+    snapshot_file_require(file, false, why);
+    return file->status;
 }
 
-pdyn_status snapshot_read(struct pdyn_sim *sim, struct snapshot_file *a,
+pdyn_status snapshot_read(struct pdyn_sim *sim, struct snapshot_file *file,
                           struct snapshot_file *before) {
     *before = (struct snapshot_file){0};
-    a->status = control_settle(sim);
-    if (a->status != PDYN_OK || persist_scene(sim, a) != PDYN_OK) return a->status;
+    file->status = control_settle(sim);
+    if (file->status != PDYN_OK || persist_scene(sim, file) != PDYN_OK) return file->status;
     snapshot_memory_create(sim->context, before);
     pdyn_status status = persist_state(sim, before);
     if (status == PDYN_OK) {
         snapshot_memory_rewind(before);
         forces_forget(sim);
-        return read_state(sim, a);
+        return read_state(sim, file);
     }
     snapshot_file_close(before);
     *before = (struct snapshot_file){0};
-    return a->status = status;
+    return file->status = status;
 }
 
 pdyn_status snapshot_end_read(struct pdyn_sim *sim, struct snapshot_file *before,
@@ -192,10 +195,10 @@ pdyn_status pdyn_save_memory(pdyn_sim *sim, void *buffer, size_t capacity, size_
 }
 
 /* Restores an opened state and closes it. */
-static pdyn_status restore_from(pdyn_sim *sim, struct snapshot_file *a) {
+static pdyn_status restore_from(pdyn_sim *sim, struct snapshot_file *file) {
     struct snapshot_file before;
-    pdyn_status status = snapshot_end_read(sim, &before, snapshot_read(sim, a, &before));
-    snapshot_file_close(a);
+    pdyn_status status = snapshot_end_read(sim, &before, snapshot_read(sim, file, &before));
+    snapshot_file_close(file);
     return status;
 }
 

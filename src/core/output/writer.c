@@ -54,44 +54,45 @@ static pdyn_status make_directory(pdyn_writer *writer) {
 /* ---- saving and resuming --------------------------------------------------------------------- */
 
 /* Saves or reads the report. Its pointer is saved as zeros in place of the address. */
-static void persist_report(pdyn_writer *writer, struct snapshot_file *a) {
+static void persist_report(pdyn_writer *writer, struct snapshot_file *file) {
     struct report *report = &writer->report;
     struct report_stats *residual = report->residual;
     report->residual = NULL;
-    SNAPSHOT(a, *report);
+    SNAPSHOT(file, *report);
     report->residual = residual;
-    snapshot_file_bytes(a, residual, (size_t)writer->sim->bodies * sizeof *residual);
+    snapshot_file_bytes(file, residual, (size_t)writer->sim->bodies * sizeof *residual);
     unsigned char flag[2];
     memcpy(flag, &report->start.frame, 1), memcpy(flag + 1, &report->end.frame, 1);
-    snapshot_file_require(a, flag[0] <= 1 && flag[1] <= 1,
+    snapshot_file_require(file, flag[0] <= 1 && flag[1] <= 1,
                           "a flag of its report is neither 0 nor 1");
-    snapshot_file_require(a, report->steps >= 0 && report->unsolved >= 0,
+    snapshot_file_require(file, report->steps >= 0 && report->unsolved >= 0,
                           "a number of steps in its report is negative");
 }
 
 /* Saves or reads the state of the writer. */
-static void persist_writer(pdyn_writer *writer, struct snapshot_file *a) {
+static void persist_writer(pdyn_writer *writer, struct snapshot_file *file) {
     struct report *report = &writer->report;
     double run_ms = clock_ms() - report->opened_ms;
-    snapshot_file_expect(a, sizeof *report, "numbers in its report");
-    snapshot_file_flags(a, &writer->ply, 1, "the flag of PLY files is neither 0 nor 1");
-    snapshot_file_long(a, &writer->metrics.size, LONG_MAX, "the size of metrics.csv is negative");
-    snapshot_file_long(a, &writer->probes.size, LONG_MAX, "the size of probes.csv is negative");
-    snapshot_file_numbers(a, &run_ms, 1, "the time of the run is not finite");
-    persist_report(writer, a);
-    snapshot_file_count(a, &writer->frames, sizeof *writer->time,
+    snapshot_file_expect(file, sizeof *report, "numbers in its report");
+    snapshot_file_flags(file, &writer->ply, 1, "the flag of PLY files is neither 0 nor 1");
+    snapshot_file_long(file, &writer->metrics.size, LONG_MAX,
+                       "the size of metrics.csv is negative");
+    snapshot_file_long(file, &writer->probes.size, LONG_MAX, "the size of probes.csv is negative");
+    snapshot_file_numbers(file, &run_ms, 1, "the time of the run is not finite");
+    persist_report(writer, file);
+    snapshot_file_count(file, &writer->frames, sizeof *writer->time,
                         "the number of its frames is out of range");
     report->opened_ms = clock_ms() - run_ms;
 }
 
-static pdyn_status persist_output(pdyn_writer *writer, struct snapshot_file *a) {
-    persist_writer(writer, a);
-    if (a->view.reading && a->status == PDYN_OK)
-        a->status = frames_reserve_times(writer, writer->frames);
-    if (a->status == PDYN_OK)
-        snapshot_file_numbers(a, writer->time, (size_t)writer->frames,
+static pdyn_status persist_output(pdyn_writer *writer, struct snapshot_file *file) {
+    persist_writer(writer, file);
+    if (file->view.reading && file->status == PDYN_OK)
+        file->status = frames_reserve_times(writer, writer->frames);
+    if (file->status == PDYN_OK)
+        snapshot_file_numbers(file, writer->time, (size_t)writer->frames,
                               "the time of a frame is not finite");
-    return a->status;
+    return file->status;
 }
 
 pdyn_status pdyn_writer_save(pdyn_writer *writer) {

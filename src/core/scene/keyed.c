@@ -53,21 +53,21 @@ pdyn_status keyed_set_path(pdyn_context *context, pdyn_path *path, const double 
     return PDYN_OK;
 }
 
-void keyed_persist_path(pdyn_context *context, pdyn_path *path, struct snapshot_file *a) {
+void keyed_persist_path(pdyn_context *context, pdyn_path *path, struct snapshot_file *file) {
     int count = path->count;
-    snapshot_file_count(a, &count, 4 * sizeof(double), "the number of keys is out of range");
-    if (a->status != PDYN_OK) return;
-    if (a->view.reading) {
+    snapshot_file_count(file, &count, 4 * sizeof(double), "the number of keys is out of range");
+    if (file->status != PDYN_OK) return;
+    if (file->view.reading) {
         keyed_free_path(context, path);
         *path = (pdyn_path){0};
         double *key = NEW_ARRAY(context, 4 * (size_t)count, double);
-        if (count && !key) a->status = PDYN_NO_MEMORY;
+        if (count && !key) file->status = PDYN_NO_MEMORY;
         else *path = (pdyn_path){count, key};
     }
-    snapshot_file_range(a, (double *)path->key, 4 * (size_t)path->count, SCENE_MAX_POSITION,
+    snapshot_file_range(file, (double *)path->key, 4 * (size_t)path->count, SCENE_MAX_POSITION,
                         "a key of a path is out of range");
     for (int k = 4; k < 4 * path->count; k += 4)
-        snapshot_file_require(a, path->key[k] > path->key[k - 4], "keys are not in order");
+        snapshot_file_require(file, path->key[k] > path->key[k - 4], "keys are not in order");
 }
 
 void keyed_free_path(pdyn_context *context, pdyn_path *path) {

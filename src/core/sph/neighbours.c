@@ -334,16 +334,16 @@ pdyn_status neighbours_build(struct neighbours *n, const double *x) {
     return PDYN_OK;
 }
 
-void neighbours_persist(struct neighbours *n, struct snapshot_file *a) {
+void neighbours_persist(struct neighbours *n, struct snapshot_file *file) {
     static const char what[] = "a position of its neighbour lists is not finite";
-    snapshot_file_flags(a, &n->built, 1, "the flag of its neighbour lists is neither 0 nor 1");
-    snapshot_file_numbers(a, n->built_x, 3 * (size_t)n->view.particles, what);
-    snapshot_file_numbers(a, n->built_moving_x, 3 * (size_t)n->moving, what);
-    visibility_persist(n, a);
-    if (!a->view.reading || a->status != PDYN_OK) return;
+    snapshot_file_flags(file, &n->built, 1, "the flag of its neighbour lists is neither 0 nor 1");
+    snapshot_file_numbers(file, n->built_x, 3 * (size_t)n->view.particles, what);
+    snapshot_file_numbers(file, n->built_moving_x, 3 * (size_t)n->moving, what);
+    visibility_persist(n, file);
+    if (!file->view.reading || file->status != PDYN_OK) return;
     if (n->moving) memcpy(moving_x(n), n->built_moving_x, 3 * (size_t)n->moving * sizeof(double));
-    a->status = sort_moving(n);
-    if (a->status == PDYN_OK && n->built) a->status = neighbours_build(n, n->built_x);
+    file->status = sort_moving(n);
+    if (file->status == PDYN_OK && n->built) file->status = neighbours_build(n, n->built_x);
 }
 
 /* Since the last build no centre has moved by more than half the skin. */

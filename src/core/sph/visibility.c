@@ -43,13 +43,13 @@ void visibility_free(struct neighbours *n) {
     FREE_ARRAY(n->context, previous->index, previous->capacity);
 }
 
-void visibility_persist(struct neighbours *n, struct snapshot_file *a) {
+void visibility_persist(struct neighbours *n, struct snapshot_file *file) {
     struct visibility *v = &n->visibility;
     if (!v->occlusion) return;
-    snapshot_file_flags(a, &v->frozen, 1, "the flag of its visibility is neither 0 nor 1");
-    snapshot_file_numbers(a, v->frozen_x, 3 * (size_t)n->system,
+    snapshot_file_flags(file, &v->frozen, 1, "the flag of its visibility is neither 0 nor 1");
+    snapshot_file_numbers(file, v->frozen_x, 3 * (size_t)n->system,
                           "a position of its visibility is not finite");
-    snapshot_file_numbers(a, v->granted, (size_t)n->view.particles,
+    snapshot_file_numbers(file, v->granted, (size_t)n->view.particles,
                           "a granted density is not finite");
 }
 

@@ -204,29 +204,29 @@ pdyn_status pdyn_set_velocities(pdyn_sim *sim, int first, int count, const doubl
 
 /* ---- saved states ---------------------------------------------------------------------------- */
 
-static void persist_forces(struct pdyn_sim *sim, struct snapshot_file *a) {
+static void persist_forces(struct pdyn_sim *sim, struct snapshot_file *file) {
     double **force = &sim->control.force;
     bool has = *force;
-    snapshot_file_flags(a, &has, 1, "the flag of forces is neither 0 nor 1");
-    if (a->view.reading && a->status == PDYN_OK && *force && !has)
+    snapshot_file_flags(file, &has, 1, "the flag of forces is neither 0 nor 1");
+    if (file->view.reading && file->status == PDYN_OK && *force && !has)
         FREE_VECTOR(sim->context, *force, sim->objective.particles);
-    if (a->status != PDYN_OK || !has) return;
+    if (file->status != PDYN_OK || !has) return;
     if (!*force && !(*force = NEW_VECTOR(sim->context, sim->objective.particles)))
-        a->status = PDYN_NO_MEMORY;
+        file->status = PDYN_NO_MEMORY;
     else
-        snapshot_file_numbers(a, *force, 3 * (size_t)sim->objective.particles,
+        snapshot_file_numbers(file, *force, 3 * (size_t)sim->objective.particles,
                               "a force is not finite");
 }
 
-void control_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
-    snapshot_file_flags(a, &sim->control.driven, 1, "the flag of changes is neither 0 nor 1");
-    snapshot_file_numbers(a, sim->scene.settings.gravity, 3, "gravity is not finite");
-    snapshot_file_numbers(a, &sim->control.gravity, 1, "the largest gravity is not finite");
-    SNAPSHOT(a, sim->floor);
-    persist_forces(sim, a);
-    schedule_persist(sim, a);
-    parameters_persist(sim, a);
-    if (a->status == PDYN_OK) holds_persist(sim, a);
-    if (a->status == PDYN_OK) kinematic_persist(sim, a);
-    if (a->view.reading && a->status == PDYN_OK) a->status = control_settle(sim);
+void control_persist(struct pdyn_sim *sim, struct snapshot_file *file) {
+    snapshot_file_flags(file, &sim->control.driven, 1, "the flag of changes is neither 0 nor 1");
+    snapshot_file_numbers(file, sim->scene.settings.gravity, 3, "gravity is not finite");
+    snapshot_file_numbers(file, &sim->control.gravity, 1, "the largest gravity is not finite");
+    SNAPSHOT(file, sim->floor);
+    persist_forces(sim, file);
+    schedule_persist(sim, file);
+    parameters_persist(sim, file);
+    if (file->status == PDYN_OK) holds_persist(sim, file);
+    if (file->status == PDYN_OK) kinematic_persist(sim, file);
+    if (file->view.reading && file->status == PDYN_OK) file->status = control_settle(sim);
 }

@@ -200,18 +200,18 @@ void crossings_warn(struct pdyn_sim *sim) {
     }
 }
 
-void crossings_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+void crossings_persist(struct pdyn_sim *sim, struct snapshot_file *file) {
     struct crossings *c = sim->crossings;
     if (!c) return;
     bool valid = true;
     size_t entries = BEYOND * (size_t)sim->objective.particles;
-    snapshot_file_long(a, &c->total, LONG_MAX, "a number of passed particles");
+    snapshot_file_long(file, &c->total, LONG_MAX, "a number of passed particles");
     for (int s = 0; s < c->swept.count; s++)
-        snapshot_file_long(a, &c->count[s], LONG_MAX, "a number of passed particles");
-    snapshot_file_bytes(a, c->beyond, entries * sizeof *c->beyond);
+        snapshot_file_long(file, &c->count[s], LONG_MAX, "a number of passed particles");
+    snapshot_file_bytes(file, c->beyond, entries * sizeof *c->beyond);
     for (size_t k = 0; k < entries; k++) {
         valid &= c->beyond[k] >= -c->swept.count && c->beyond[k] <= c->swept.count;
         valid &= !c->beyond[k] || k % BEYOND == 0 || c->beyond[k - 1];
     }
-    snapshot_file_require(a, valid, "a passed surface is out of range");
+    snapshot_file_require(file, valid, "a passed surface is out of range");
 }

@@ -260,12 +260,12 @@ void energy_budget_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
                  w->worst, w->worst / fmax(e->scale, 1e-300));
 }
 
-void energy_budget_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+void energy_budget_persist(struct pdyn_sim *sim, struct snapshot_file *file) {
     struct energy_budget *e = &sim->energy;
     double *numbers[] = {&e->start,  &e->stored,      &e->potential,     &e->highest,
                          &e->total,  &e->scale,       &e->density_error, &e->constraints,
                          &e->window, &e->window_steps};
-    snapshot_file_flags(a, &e->opened, 1, "the flag of its energy is neither 0 nor 1");
+    snapshot_file_flags(file, &e->opened, 1, "the flag of its energy is neither 0 nor 1");
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
-        snapshot_file_numbers(a, numbers[k], 1, "an energy or a height is not finite");
+        snapshot_file_numbers(file, numbers[k], 1, "an energy or a height is not finite");
 }

@@ -59,17 +59,17 @@ pdyn_status given_motion(struct pdyn_sim *sim, struct scene_motion *motion, cons
 }
 
 void given_motion_persist(struct pdyn_sim *sim, struct scene_motion *motion,
-                          struct snapshot_file *a) {
+                          struct snapshot_file *file) {
     int count = motion->keys;
     if (!count) return;
-    snapshot_file_count(a, &count, sizeof *motion->key, "the number of keys is out of range");
-    snapshot_file_require(a, count > 0, "a motion has no key");
-    if (a->status == PDYN_OK) a->status = resize_keys(sim, motion, count);
-    for (int k = 0; k < count && a->status == PDYN_OK; k++) {
+    snapshot_file_count(file, &count, sizeof *motion->key, "the number of keys is out of range");
+    snapshot_file_require(file, count > 0, "a motion has no key");
+    if (file->status == PDYN_OK) file->status = resize_keys(sim, motion, count);
+    for (int k = 0; k < count && file->status == PDYN_OK; k++) {
         struct scene_key *key = &motion->key[k];
-        snapshot_file_range(a, &key->time, 1, SCENE_MAX_POSITION, "a time of a key");
-        snapshot_file_range(a, key->translate, 3, SCENE_MAX_POSITION, "a translation of a key");
-        snapshot_file_range(a, key->rotate, 3, SCENE_MAX_POSITION, "a rotation of a key");
-        snapshot_file_require(a, !k || key->time > key[-1].time, "keys are not in order");
+        snapshot_file_range(file, &key->time, 1, SCENE_MAX_POSITION, "a time of a key");
+        snapshot_file_range(file, key->translate, 3, SCENE_MAX_POSITION, "a translation of a key");
+        snapshot_file_range(file, key->rotate, 3, SCENE_MAX_POSITION, "a rotation of a key");
+        snapshot_file_require(file, !k || key->time > key[-1].time, "keys are not in order");
     }
 }

@@ -205,12 +205,12 @@ pdyn_status pdyn_release(pdyn_sim *sim, int particle) {
 /* ---- saved states ---------------------------------------------------------------------------- */
 
 /* Reads the particle, stiffness and target of a hold, or writes them. */
-static void persist_hold(struct pdyn_sim *sim, struct hold *h, struct snapshot_file *a) {
+static void persist_hold(struct pdyn_sim *sim, struct hold *h, struct snapshot_file *file) {
     long particle = h->particle;
-    snapshot_file_long(a, &particle, sim->objective.particles - 1, "a held particle");
-    snapshot_file_range(a, h->target, 3, SCENE_MAX_POSITION, "the target of a hold");
-    snapshot_file_range(a, &h->stiffness, 1, max_stiffness, "the stiffness of a hold");
-    snapshot_file_require(a, h->stiffness >= 0.0, "the stiffness of a hold is negative");
+    snapshot_file_long(file, &particle, sim->objective.particles - 1, "a held particle");
+    snapshot_file_range(file, h->target, 3, SCENE_MAX_POSITION, "the target of a hold");
+    snapshot_file_range(file, &h->stiffness, 1, max_stiffness, "the stiffness of a hold");
+    snapshot_file_require(file, h->stiffness >= 0.0, "the stiffness of a hold is negative");
     h->particle = (int)particle;
 }
 
@@ -238,15 +238,15 @@ static void replace_holds(struct control *c, size_t first) {
 }
 
 /* Call after control_settle, so that no released hold is left. */
-void holds_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+void holds_persist(struct pdyn_sim *sim, struct snapshot_file *file) {
     struct control *c = &sim->control;
     int count = (int)c->holds;
-    size_t first = a->view.reading ? c->holds : 0;
-    snapshot_file_count(a, &count, 4 * sizeof(double), "the number of holds is out of range");
-    for (int k = 0; k < count && a->status == PDYN_OK; k++) {
-        if (a->view.reading && !add_hold(sim)) a->status = PDYN_NO_MEMORY;
-        else persist_hold(sim, &c->hold[first + (size_t)k], a);
+    size_t first = file->view.reading ? c->holds : 0;
+    snapshot_file_count(file, &count, 4 * sizeof(double), "the number of holds is out of range");
+    for (int k = 0; k < count && file->status == PDYN_OK; k++) {
+        if (file->view.reading && !add_hold(sim)) file->status = PDYN_NO_MEMORY;
+        else persist_hold(sim, &c->hold[first + (size_t)k], file);
     }
-    if (a->view.reading && a->status == PDYN_OK) replace_holds(c, first);
-    else if (a->view.reading) c->holds = first;
+    if (file->view.reading && file->status == PDYN_OK) replace_holds(c, first);
+    else if (file->view.reading) c->holds = first;
 }

@@ -67,17 +67,17 @@ pdyn_status pdyn_set_inlet_speed(pdyn_sim *sim, int body, int inlet, double time
 
 /* ---- saved states ---------------------------------------------------------------------------- */
 
-static void persist_speed(struct pdyn_sim *sim, pdyn_path *speed, struct snapshot_file *a) {
-    keyed_persist_path(sim->context, speed, a);
-    snapshot_file_require(a, speed->count > 0, "an inlet has no speed");
+static void persist_speed(struct pdyn_sim *sim, pdyn_path *speed, struct snapshot_file *file) {
+    keyed_persist_path(sim->context, speed, file);
+    snapshot_file_require(file, speed->count > 0, "an inlet has no speed");
     for (int k = 0; k < speed->count; k++)
-        snapshot_file_require(a, speed->key[4 * k + 1] >= 0.0, "a speed of a key");
+        snapshot_file_require(file, speed->key[4 * k + 1] >= 0.0, "a speed of a key");
 }
 
-void inlet_control_persist(struct pdyn_sim *sim, int inlet, struct snapshot_file *a) {
+void inlet_control_persist(struct pdyn_sim *sim, int inlet, struct snapshot_file *file) {
     struct scene_inlet *from = sim->live->inlet[inlet].from;
-    given_motion_persist(sim, &from->motion, a);
-    persist_speed(sim, &from->speed, a);
-    snapshot_file_range(a, &from->start, 1, SCENE_MAX_POSITION, "the start of an inlet");
-    snapshot_file_range(a, &from->travelled, 1, STEP_MAX_POSITION, "the way of an inlet");
+    given_motion_persist(sim, &from->motion, file);
+    persist_speed(sim, &from->speed, file);
+    snapshot_file_range(file, &from->start, 1, SCENE_MAX_POSITION, "the start of an inlet");
+    snapshot_file_range(file, &from->travelled, 1, STEP_MAX_POSITION, "the way of an inlet");
 }

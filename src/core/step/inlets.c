@@ -261,28 +261,29 @@ static bool pushers_are_valid(const struct pdyn_sim *sim, const int *pusher) {
     return true;
 }
 
-static void persist_pushers(struct pdyn_sim *sim, struct snapshot_file *a) {
+static void persist_pushers(struct pdyn_sim *sim, struct snapshot_file *file) {
     struct live_particles *p = sim->live;
-    int *pusher = a->view.reading ? p->scratch : p->pusher;
-    snapshot_file_bytes(a, pusher, (size_t)sim->objective.particles * sizeof *pusher);
-    if (!a->view.reading || a->status != PDYN_OK) return;
+    int *pusher = file->view.reading ? p->scratch : p->pusher;
+    snapshot_file_bytes(file, pusher, (size_t)sim->objective.particles * sizeof *pusher);
+    if (!file->view.reading || file->status != PDYN_OK) return;
     bool valid = pushers_are_valid(sim, pusher);
-    snapshot_file_require(a, valid, "an inlet moves a particle that does not belong to it");
+    snapshot_file_require(file, valid, "an inlet moves a particle that does not belong to it");
     for (int i = 0; valid && i < sim->objective.particles; i++) set_pusher(sim, i, pusher[i]);
 }
 
-void inlets_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+void inlets_persist(struct pdyn_sim *sim, struct snapshot_file *file) {
     struct live_particles *p = sim->live;
     if (!p->inlets) return;
     for (int k = 0; k < p->inlets; k++) {
-        inlet_control_persist(sim, k, a);
-        SNAPSHOT(a, p->inlet[k].layers);
-        SNAPSHOT(a, p->inlet[k].free);
-        SNAPSHOT(a, p->inlet[k].not_entered);
-        snapshot_file_flags(a, &p->inlet[k].closed, 1, "the flag of an inlet is neither 0 nor 1");
-        if (a->view.reading && a->status == PDYN_OK)
-            snapshot_file_require(a, is_valid(sim, &p->inlet[k]),
+        inlet_control_persist(sim, k, file);
+        SNAPSHOT(file, p->inlet[k].layers);
+        SNAPSHOT(file, p->inlet[k].free);
+        SNAPSHOT(file, p->inlet[k].not_entered);
+        snapshot_file_flags(file, &p->inlet[k].closed, 1,
+                            "the flag of an inlet is neither 0 nor 1");
+        if (file->view.reading && file->status == PDYN_OK)
+            snapshot_file_require(file, is_valid(sim, &p->inlet[k]),
                                   "the number of layers of an inlet does not belong to its time");
     }
-    persist_pushers(sim, a);
+    persist_pushers(sim, file);
 }

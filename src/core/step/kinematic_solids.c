@@ -103,7 +103,7 @@ pdyn_status pdyn_solid_pose(const pdyn_sim *sim, int solid, double translate[3],
     return PDYN_OK;
 }
 
-void kinematic_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
-    for (int s = 0; s < sim->scene.solids && a->status == PDYN_OK; s++)
-        given_motion_persist(sim, &sim->scene.solid[s].motion, a);
+void kinematic_persist(struct pdyn_sim *sim, struct snapshot_file *file) {
+    for (int s = 0; s < sim->scene.solids && file->status == PDYN_OK; s++)
+        given_motion_persist(sim, &sim->scene.solid[s].motion, file);
 }

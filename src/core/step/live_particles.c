@@ -139,25 +139,25 @@ static bool stack_is_valid(const struct pdyn_sim *sim, int b) {
     return true;
 }
 
-static void require_valid(struct pdyn_sim *sim, struct snapshot_file *a) {
-    if (!a->view.reading || a->status != PDYN_OK) return;
+static void require_valid(struct pdyn_sim *sim, struct snapshot_file *file) {
+    if (!file->view.reading || file->status != PDYN_OK) return;
     for (int b = 0; b < sim->bodies; b++)
-        snapshot_file_require(a, stack_is_valid(sim, b),
+        snapshot_file_require(file, stack_is_valid(sim, b),
                               "its list of particles that are not live is wrong");
 }
 
-void live_particles_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+void live_particles_persist(struct pdyn_sim *sim, struct snapshot_file *file) {
     static const char total[] = "the number of particles emitted or removed is out of range";
     struct live_particles *p = sim->live;
     if (!p) return;
     size_t n = (size_t)sim->objective.particles;
-    snapshot_file_flags(a, p->live, n, "the flag of a live particle is neither 0 nor 1");
-    snapshot_file_bytes(a, p->slot, n * sizeof *p->slot);
-    snapshot_file_bytes(a, p->vacant, (size_t)sim->bodies * sizeof *p->vacant);
-    snapshot_file_long(a, &p->emitted, LONG_MAX / 4, total);
-    snapshot_file_long(a, &p->removed, LONG_MAX / 4, total);
-    require_valid(sim, a);
-    inlets_persist(sim, a);
+    snapshot_file_flags(file, p->live, n, "the flag of a live particle is neither 0 nor 1");
+    snapshot_file_bytes(file, p->slot, n * sizeof *p->slot);
+    snapshot_file_bytes(file, p->vacant, (size_t)sim->bodies * sizeof *p->vacant);
+    snapshot_file_long(file, &p->emitted, LONG_MAX / 4, total);
+    snapshot_file_long(file, &p->removed, LONG_MAX / 4, total);
+    require_valid(sim, file);
+    inlets_persist(sim, file);
 }
 
 void live_particles_update_lists(struct pdyn_sim *sim) {

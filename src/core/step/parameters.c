@@ -216,70 +216,70 @@ bool pdyn_is_enabled(const pdyn_sim *sim, int constraint) {
 /* Saves or reads a number; returns whether it has changed. A parameter that the scene leaves out
  * has a value outside of its bounds, which may be infinite. */
 static bool persist_value(const struct batch *b, const pdyn_param *p, double *field,
-                          struct snapshot_file *a) {
+                          struct snapshot_file *file) {
     int count = p->kind == PDYN_VECTOR ? 3 : 1;
     double before[LARGEST];
     bool damped = is_damped(b);
     size_t size = (size_t)count * sizeof *field;
     memcpy(before, field, size);
-    snapshot_file_bytes(a, field, size);
-    bool changed = a->view.reading && memcmp(before, field, size) != 0;
+    snapshot_file_bytes(file, field, size);
+    bool changed = file->view.reading && memcmp(before, field, size) != 0;
     bool valid = !changed || (check_value(b, p, field, count) == PDYN_OK && is_damped(b) == damped);
-    if (!valid || a->status != PDYN_OK) memcpy(field, before, size);
-    snapshot_file_require(a, valid, "a parameter is out of bounds");
+    if (!valid || file->status != PDYN_OK) memcpy(field, before, size);
+    snapshot_file_require(file, valid, "a parameter is out of bounds");
     return changed && valid;
 }
 
 /* Writes a table, or reads its rows; whether they have changed. */
 static bool persist_table(const struct batch *b, const pdyn_param *p, pdyn_table *field,
-                          struct snapshot_file *a) {
+                          struct snapshot_file *file) {
     int count = field->count, rows = rows_of(b, p), width = param_width(p);
     bool damped = is_damped(b);
     size_t row = (size_t)width * sizeof(double);
-    snapshot_file_count(a, &count, row, "the number of rows is out of range");
+    snapshot_file_count(file, &count, row, "the number of rows is out of range");
     bool absent = !count && !p->required && !params_has_default(p);
-    snapshot_file_require(a, absent || (rows ? count == rows : count > 0),
+    snapshot_file_require(file, absent || (rows ? count == rows : count > 0),
                           "a table has other rows");
-    if (a->status != PDYN_OK) return false;
-    if (!a->view.reading)
-        return snapshot_file_bytes(a, (double *)field->value, (size_t)count * row), false;
+    if (file->status != PDYN_OK) return false;
+    if (!file->view.reading)
+        return snapshot_file_bytes(file, (double *)field->value, (size_t)count * row), false;
     pdyn_table read = {0};
     double *value = table_allocate(b->context, p, count, &read);
-    if (count && !value) return a->status = PDYN_NO_MEMORY, false;
-    snapshot_file_bytes(a, value, (size_t)count * row);
+    if (count && !value) return file->status = PDYN_NO_MEMORY, false;
+    snapshot_file_bytes(file, value, (size_t)count * row);
     bool valid = allows_all(b, p, value, count * width);
-    snapshot_file_require(a, valid, "a number of a table is out of bounds");
+    snapshot_file_require(file, valid, "a number of a table is out of bounds");
     bool changed =
-        a->status == PDYN_OK &&
+        file->status == PDYN_OK &&
         (count != field->count || (count && memcmp(value, field->value, (size_t)count * row)));
     const pdyn_table before = *field;
     if (changed) *field = read;
     bool kept = is_damped(b) == damped;
-    snapshot_file_require(a, kept, "damping appears or disappears");
+    snapshot_file_require(file, kept, "damping appears or disappears");
     pdyn_table dropped = changed && kept ? before : read;
     if (!kept) *field = before;
     table_free(b->context, p, &dropped);
     return changed && kept;
 }
 
-static void persist_constraint(struct pdyn_sim *sim, int constraint, struct snapshot_file *a) {
+static void persist_constraint(struct pdyn_sim *sim, int constraint, struct snapshot_file *file) {
     struct batch *b = sim->objective.batch[constraint];
     bool off = b->off, changed = false;
-    snapshot_file_flags(a, &off, 1, "the flag of a constraint is neither 0 nor 1");
-    snapshot_file_require(a, !off || !b->op, "a matrix-free constraint is off");
-    for (const pdyn_param *p = b->type->params; p->name && a->status == PDYN_OK; p++) {
+    snapshot_file_flags(file, &off, 1, "the flag of a constraint is neither 0 nor 1");
+    snapshot_file_require(file, !off || !b->op, "a matrix-free constraint is off");
+    for (const pdyn_param *p = b->type->params; p->name && file->status == PDYN_OK; p++) {
         void *field = (char *)b->params + p->offset;
         if (!param_is_changeable(b->type, p)) continue;
-        if (p->kind == PDYN_PATH) keyed_persist_path(b->context, field, a);
-        else if (param_is_table(p)) changed |= persist_table(b, p, field, a);
-        else changed |= persist_value(b, p, field, a);
+        if (p->kind == PDYN_PATH) keyed_persist_path(b->context, field, file);
+        else if (param_is_table(p)) changed |= persist_table(b, p, field, file);
+        else changed |= persist_value(b, p, field, file);
     }
-    if (!a->view.reading || a->status != PDYN_OK || (!changed && off == b->off)) return;
+    if (!file->view.reading || file->status != PDYN_OK || (!changed && off == b->off)) return;
     switch_batches(sim, constraint, off);
-    a->status = refresh(sim, constraint);
+    file->status = refresh(sim, constraint);
 }
 
-void parameters_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
-    for (int k = 0; k < sim->constraints && a->status == PDYN_OK; k++)
-        persist_constraint(sim, k, a);
+void parameters_persist(struct pdyn_sim *sim, struct snapshot_file *file) {
+    for (int k = 0; k < sim->constraints && file->status == PDYN_OK; k++)
+        persist_constraint(sim, k, file);
 }

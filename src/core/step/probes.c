@@ -268,9 +268,9 @@ void probes_step(struct pdyn_sim *sim, double h) {
     }
 }
 
-void probes_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+void probes_persist(struct pdyn_sim *sim, struct snapshot_file *file) {
     if (sim->probes)
-        snapshot_file_numbers(a, sim->probes->value, (size_t)sim->probes->values,
+        snapshot_file_numbers(file, sim->probes->value, (size_t)sim->probes->values,
                               "a value of a probe is not finite");
 }
 

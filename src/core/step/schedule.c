@@ -113,12 +113,12 @@ void schedule_replace(struct pdyn_sim *sim, int constraint, const pdyn_param *pa
 
 static const char bad_flag[] = "the flag of keys is neither 0 nor 1";
 
-void schedule_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
-    snapshot_file_flags(a, &sim->scene.settings.gravity_keys.replaced, 1, bad_flag);
+void schedule_persist(struct pdyn_sim *sim, struct snapshot_file *file) {
+    snapshot_file_flags(file, &sim->scene.settings.gravity_keys.replaced, 1, bad_flag);
     for (int b = 0; b < sim->bodies; b++)
         for (int m = 0; m < sim->scene.body[b].constraints; m++) {
             const struct scene_constraint *c = &sim->scene.body[b].constraint[m];
             for (int k = 0; k < c->keyed_params; k++)
-                snapshot_file_flags(a, &c->keyed[k].replaced, 1, bad_flag);
+                snapshot_file_flags(file, &c->keyed[k].replaced, 1, bad_flag);
         }
 }

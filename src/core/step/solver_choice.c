@@ -211,26 +211,27 @@ void solver_choice_reject(struct pdyn_sim *sim) {
 
 /* ---- saved states ---------------------------------------------------------------------------- */
 
-static void persist_numbers(struct solver_choice *c, struct snapshot_file *a) {
-    snapshot_file_flags(a, &c->trial, 1, "the flag of a trial is neither 0 nor 1");
-    snapshot_file_long(a, &c->wait, LONGEST_WAIT, "the steps between trials are out of range");
-    snapshot_file_long(a, &c->next, LONG_MAX, "the step of the next trial is negative");
-    snapshot_file_long(a, &c->dual_steps, LONG_MAX, "the number of dual steps is negative");
-    snapshot_file_numbers(a, &c->reference, 1, "the cost of a step is not finite");
+static void persist_numbers(struct solver_choice *c, struct snapshot_file *file) {
+    snapshot_file_flags(file, &c->trial, 1, "the flag of a trial is neither 0 nor 1");
+    snapshot_file_long(file, &c->wait, LONGEST_WAIT, "the steps between trials are out of range");
+    snapshot_file_long(file, &c->next, LONG_MAX, "the step of the next trial is negative");
+    snapshot_file_long(file, &c->dual_steps, LONG_MAX, "the number of dual steps is negative");
+    snapshot_file_numbers(file, &c->reference, 1, "the cost of a step is not finite");
     for (int k = 0; k < c->count; k++) {
-        snapshot_file_numbers(a, &c->slot[k].cost, 1, "the cost of a step is not finite");
-        snapshot_file_range(a, &c->slot[k].damping, 1, 1.0, "the damping is not between 0 and 1");
+        snapshot_file_numbers(file, &c->slot[k].cost, 1, "the cost of a step is not finite");
+        snapshot_file_range(file, &c->slot[k].damping, 1, 1.0,
+                            "the damping is not between 0 and 1");
     }
 }
 
-void solver_choice_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+void solver_choice_persist(struct pdyn_sim *sim, struct snapshot_file *file) {
     struct solver_choice *c = &sim->choice;
     long active = c->active;
-    snapshot_file_long(a, &active, c->count - 1, "the solver in use is out of range");
-    persist_numbers(c, a);
-    if (a->view.reading && a->status == PDYN_OK) activate(sim, (int)active);
-    for (int k = 0; k < c->count && a->status == PDYN_OK; k++) {
+    snapshot_file_long(file, &active, c->count - 1, "the solver in use is out of range");
+    persist_numbers(c, file);
+    if (file->view.reading && file->status == PDYN_OK) activate(sim, (int)active);
+    for (int k = 0; k < c->count && file->status == PDYN_OK; k++) {
         const pdyn_global_solver *solver = c->slot[k].solver;
-        if (solver->persist) a->status = solver->persist(c->slot[k].state, &a->view);
+        if (solver->persist) file->status = solver->persist(c->slot[k].state, &file->view);
     }
 }
