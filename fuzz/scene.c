@@ -12,7 +12,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     pdyn_context *context = fuzz_context();
     char *text = malloc(size + 1);
     memcpy(text, data, size), text[size] = '\0';
-    if (pdyn_scene_parse(context, "scene.json", text, &file) == PDYN_OK) {
+    if (pdyn_scene_parse(context, text, "scene.json", &file) == PDYN_OK) {
         scene_read(&file->json, &scene);
         scene_free(context, &scene);
     }

@@ -29,7 +29,7 @@ pdyn_status read_scene(const char *name, const char *text, const char *const *se
     pdyn_scene *file = NULL;
     *scene = (struct scene){0};
     pdyn_status status =
-        text ? pdyn_scene_parse(context, name, text, &file) : pdyn_scene_open(context, name, &file);
+        text ? pdyn_scene_parse(context, text, name, &file) : pdyn_scene_open(context, name, &file);
     if (status == PDYN_OK) status = pdyn_scene_override(file, set, sets);
     if (status == PDYN_OK) status = scene_read(&file->json, scene);
     pdyn_scene_free(file);

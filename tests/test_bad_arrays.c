@@ -97,9 +97,9 @@ static void test_bad_arrays(void **state) {
 static void test_bad_texts(void **state) {
     (void)state;
     pdyn_scene *scene = NULL;
-    assert_int_equal(pdyn_scene_parse(context, "text", "[]", &scene), PDYN_BAD_INPUT);
+    assert_int_equal(pdyn_scene_parse(context, "[]", "text", &scene), PDYN_BAD_INPUT);
     assert_message("text:1:1: expected an object, found an array of 0");
-    assert_int_equal(pdyn_scene_parse(context, "text", "{,", &scene), PDYN_BAD_INPUT);
+    assert_int_equal(pdyn_scene_parse(context, "{,", "text", &scene), PDYN_BAD_INPUT);
     assert_message("text:1:2: not valid JSON: *");
     assert_int_equal(pdyn_scene_open(context, "none.json", &scene), PDYN_IO_FAILED);
     assert_message("none.json: cannot open the file: No such file or directory");

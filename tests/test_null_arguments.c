@@ -78,10 +78,10 @@ static pdyn_status resume_writer(pdyn_sim *of, const char *directory) {
     X(pdyn_scene_open(NULL, "scene.json", &scene_out))                                             \
     X(pdyn_scene_open(context, NULL, &scene_out))                                                  \
     X(pdyn_scene_open(context, "scene.json", NULL))                                                \
-    X(pdyn_scene_parse(NULL, "scene", "{}", &scene_out))                                           \
-    X(pdyn_scene_parse(context, NULL, "{}", &scene_out))                                           \
-    X(pdyn_scene_parse(context, "scene", NULL, &scene_out))                                        \
-    X(pdyn_scene_parse(context, "scene", "{}", NULL))                                              \
+    X(pdyn_scene_parse(NULL, "{}", "scene", &scene_out))                                           \
+    X(pdyn_scene_parse(context, NULL, "scene", &scene_out))                                        \
+    X(pdyn_scene_parse(context, "{}", NULL, &scene_out))                                           \
+    X(pdyn_scene_parse(context, "{}", "scene", NULL))                                              \
     X(pdyn_scene_set(NULL, "duration", "1"))                                                       \
     X(pdyn_scene_set(scene, NULL, "1"))                                                            \
     X(pdyn_scene_set(scene, "duration", NULL))                                                     \

@@ -180,10 +180,10 @@ static void test_particles_of_surface(void **state) {
     (void)state;
     static const double x[9] = {0, 0, 0, 0.1, 0, 0, 0, 0, 0.1};
     pdyn_scene *scene = NULL;
-    assert_int_equal(pdyn_scene_parse(context, "text",
+    assert_int_equal(pdyn_scene_parse(context,
                                       quoted(BODY("{'particles': {'radius': 0.02, 'fill': "
                                                   "[{'file': 'a.ply'}]}}")),
-                                      &scene),
+                                      "text", &scene),
                      PDYN_OK);
     assert_int_equal(pdyn_scene_mesh(scene, "a.ply", 3, x, 1, (const int[]){0, 1, 2}), PDYN_OK);
     pdyn_sim *sim = load_good(scene);
@@ -237,7 +237,7 @@ static void test_later_values(void **state) {
     (void)state;
     pdyn_scene *scene = NULL;
     assert_int_equal(
-        pdyn_scene_parse(context, "text", quoted("{'bodies': [{'name': 'a'}]}"), &scene), PDYN_OK);
+        pdyn_scene_parse(context, quoted("{'bodies': [{'name': 'a'}]}"), "text", &scene), PDYN_OK);
     set(scene, "bodies.a.velocity", "[1, 2]");
     set(scene, "bodies.b.velocity.0", "3");
     set(scene, "bodies.a.velocity.2", "4");
@@ -309,7 +309,7 @@ static const struct {
 static void test_bad_paths(void **state) {
     (void)state;
     pdyn_scene *scene = NULL;
-    assert_int_equal(pdyn_scene_parse(context, "memory", quoted(base), &scene), PDYN_OK);
+    assert_int_equal(pdyn_scene_parse(context, quoted(base), "memory", &scene), PDYN_OK);
     for (int k = 0; k < COUNT(bad_paths); k++) {
         assert_int_equal(pdyn_scene_set(scene, bad_paths[k].path, "1"), PDYN_BAD_INPUT);
         assert_message(bad_paths[k].error);
@@ -332,7 +332,7 @@ static void test_override(void **state) {
                                 "you mean \"sheet\"?; known: 0 (sheet)";
     pdyn_scene *scene = NULL;
     pdyn_sim *sim = NULL;
-    assert_int_equal(pdyn_scene_parse(context, "memory", quoted(base), &scene), PDYN_OK);
+    assert_int_equal(pdyn_scene_parse(context, quoted(base), "memory", &scene), PDYN_OK);
     assert_int_equal(pdyn_scene_override(scene, typo, 1), PDYN_BAD_INPUT);
     assert_message(error);
     assert_values(scene, base);
@@ -395,8 +395,8 @@ static void test_places(void **state) {
     (void)state;
     static const char *const override[] = {"duration=-2"};
     pdyn_scene *scene = NULL;
-    assert_int_equal(pdyn_scene_parse(context, "text",
-                                      quoted("{'duration': -1,\n 'bodies': [" WATER "]}"), &scene),
+    assert_int_equal(pdyn_scene_parse(context, quoted("{'duration': -1,\n 'bodies': [" WATER "]}"),
+                                      "text", &scene),
                      PDYN_OK);
 #define DURATION "duration: expected a number from 1e-06 to 1000000 s, found "
     assert_not_loaded(scene, PDYN_BAD_INPUT, "text:1:14: " DURATION "-1");
@@ -468,8 +468,8 @@ static void test_json_out_of_memory(void **state) {
     for (int k = 0; k < COUNT(path); k++) {
         pdyn_status status = PDYN_NO_MEMORY;
         assert_int_equal(
-            pdyn_scene_parse(context, "text",
-                             quoted("{'bodies': [{'name': 'a', 'velocity': [1, 2, 3]}]}"), &scene),
+            pdyn_scene_parse(context, quoted("{'bodies': [{'name': 'a', 'velocity': [1, 2, 3]}]}"),
+                             "text", &scene),
             PDYN_OK);
         assert_int_equal(pdyn_scene_text(scene, copy_text, text_before), PDYN_OK);
         for (long left = 0; status != PDYN_OK; left++) {

@@ -26,14 +26,15 @@ extern "C" {
 
 typedef struct pdyn_scene pdyn_scene;
 
-/* An empty scene. `name` stands for the file in messages. On failure *out is NULL. */
+/* An empty scene. `name` stands for the file in messages; relative names of mesh files are resolved
+ * from the current directory. PDYN_NO_MEMORY. On failure of this and the next two *out is NULL. */
 PDYN_API pdyn_status pdyn_scene_create(pdyn_context *context, const char *name, pdyn_scene **out);
 /* A scene from a file, to be changed. Checks JSON syntax only. PDYN_BAD_INPUT, PDYN_IO_FAILED,
  * PDYN_NO_MEMORY. */
 PDYN_API pdyn_status pdyn_scene_open(pdyn_context *context, const char *path, pdyn_scene **out);
-/* A scene from a JSON text. `name` stands for the file in messages; relative names of mesh files
- * are resolved from the current directory. */
-PDYN_API pdyn_status pdyn_scene_parse(pdyn_context *context, const char *name, const char *text,
+/* A scene from a JSON text. Checks its syntax only. `name` stands for the file in messages; relative
+ * names of mesh files are resolved from the current directory. PDYN_BAD_INPUT, PDYN_NO_MEMORY. */
+PDYN_API pdyn_status pdyn_scene_parse(pdyn_context *context, const char *text, const char *name,
                                       pdyn_scene **out);
 PDYN_API void pdyn_scene_free(pdyn_scene *scene); /* NULL: does nothing */
 

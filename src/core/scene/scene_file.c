@@ -43,7 +43,7 @@ pdyn_status pdyn_scene_open(pdyn_context *context, const char *path, pdyn_scene 
     return open_scene(context, path, true, NULL, out);
 }
 
-pdyn_status pdyn_scene_parse(pdyn_context *context, const char *name, const char *text,
+pdyn_status pdyn_scene_parse(pdyn_context *context, const char *text, const char *name,
                              pdyn_scene **out) {
     if (out) *out = NULL;
     return text ? open_scene(context, name, false, text, out) : PDYN_BAD_CALL;

@@ -32,6 +32,6 @@ pdyn_status pdyn_load_text(pdyn_context *context, const char *text, const char *
                            const char *const *set, int count, pdyn_sim **out) {
     pdyn_scene *scene = NULL;
     if (!begin(set, count, out)) return PDYN_BAD_CALL;
-    pdyn_status status = pdyn_scene_parse(context, name, text, &scene);
+    pdyn_status status = pdyn_scene_parse(context, text, name, &scene);
     return finish(status, scene, set, count, out);
 }
