@@ -32,8 +32,9 @@ PDYN_API pdyn_status pdyn_scene_create(pdyn_context *context, const char *name, 
 /* A scene from a file, to be changed. Checks JSON syntax only. PDYN_BAD_INPUT, PDYN_IO_FAILED,
  * PDYN_NO_MEMORY. */
 PDYN_API pdyn_status pdyn_scene_open(pdyn_context *context, const char *path, pdyn_scene **out);
-/* A scene from a JSON text. Checks its syntax only. `name` stands for the file in messages; relative
- * names of mesh files are resolved from the current directory. PDYN_BAD_INPUT, PDYN_NO_MEMORY. */
+/* A scene from a JSON text. Checks its syntax only. `name` stands for the file in messages;
+ * relative names of mesh files are resolved from the current directory. PDYN_BAD_INPUT,
+ * PDYN_NO_MEMORY. */
 PDYN_API pdyn_status pdyn_scene_parse(pdyn_context *context, const char *text, const char *name,
                                       pdyn_scene **out);
 PDYN_API void pdyn_scene_free(pdyn_scene *scene); /* NULL: does nothing */

@@ -3,10 +3,6 @@
 
 #include "projdyn/closest3.h"
 
-static void difference(double *y, const double *a, const double *b) {
-    for (int k = 0; k < 3; k++) y[k] = a[k] - b[k];
-}
-
 static double squared_length(pair_points x, const double c[4]) {
     double u[3] = {0};
     for (int k = 0; k < 4; k++) vec3_add(u, c[k], x[k]);
@@ -51,9 +47,9 @@ static double closest_parallel(pair_points x, const double *p, const double *q, 
  * is computed from it (Ericson 2005, section 5.1.9). */
 double closest_edge_edge(pair_points x, double c[4]) {
     double p[3], q[3], r[3];
-    difference(p, x[1], x[0]);
-    difference(q, x[3], x[2]);
-    difference(r, x[0], x[2]);
+    vec3_subtract(p, x[1], x[0]);
+    vec3_subtract(q, x[3], x[2]);
+    vec3_subtract(r, x[0], x[2]);
     double pp = vec3_dot(p, p), qq = vec3_dot(q, q), pq = vec3_dot(p, q);
     double pr = vec3_dot(p, r), qr = vec3_dot(q, r), area = pp * qq - pq * pq;
     if (!(area > 1e-8 * pp * qq)) return closest_parallel(x, p, q, r, c);

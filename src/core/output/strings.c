@@ -56,13 +56,11 @@ static json_t *strings_of(const struct batch *b, const pdyn_body *other,
 
 json_t *report_strings(const pdyn_sim *sim) {
     json_t *list = json_array();
-    for (int body = 0, k = 0; list && body < sim->bodies; body++)
-        for (int m = 0; m < sim->scene.body[body].constraints; m++, k++) {
-            const struct batch *b = sim->objective.batch[k];
-            const pdyn_body *other = b->op ? NULL : other_of(b);
-            const struct scene_constraint *c = &sim->scene.body[body].constraint[m];
-            if (other && json_array_append_new(list, strings_of(b, other, c)))
-                return json_decref(list), NULL;
-        }
+    for (int k = 0; list && k < sim->constraints; k++) {
+        const struct batch *b = sim->objective.batch[k];
+        const pdyn_body *other = b->op ? NULL : other_of(b);
+        if (other && json_array_append_new(list, strings_of(b, other, sim->constraint[k])))
+            return json_decref(list), NULL;
+    }
     return list;
 }

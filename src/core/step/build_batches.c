@@ -16,10 +16,10 @@ static pdyn_status add_constraint(struct pdyn_sim *sim, const pdyn_body *body,
     struct objective *objective = &sim->objective;
     pdyn_status status = add_batch(sim, body, c);
     if (status != PDYN_OK) return status;
+    sim->constraint[sim->constraints++] = c;
     if (c->type->matrix_free)
         objective->batch[objective->batches - 1]->samples = objective->samples;
     objective->dynamic_rows |= c->type->matrix_free || c->type->update;
-    sim->constraints = objective->batches;
     return batch_join_rows(objective->batch[objective->batches - 1]);
 }
 
@@ -76,15 +76,22 @@ static pdyn_status add_slip_and_seepage(struct pdyn_sim *sim) {
     return status;
 }
 
+static int count_constraints(const struct pdyn_sim *sim) {
+    int count = 0;
+    for (int b = 0; b < sim->bodies; b++) count += sim->scene.body[b].constraints;
+    return count;
+}
+
 pdyn_status batches_create(struct pdyn_sim *sim) {
     struct objective *objective = &sim->objective;
-    int count = 0;
-    for (int b = 0; b < sim->bodies; b++) count += 2 * sim->scene.body[b].constraints;
+    int constraints = count_constraints(sim), count = 2 * constraints;
     if (sim->scene.has_contact) count += 3; /* contact, its damping, friction */
     if (sim->objective.samples) count += 2; /* slip, seepage */
     objective->batch = NEW_ARRAY(sim->context, count, struct batch *);
-    if (count && !objective->batch) return PDYN_NO_MEMORY;
+    sim->constraint = NEW_ARRAY(sim->context, constraints, const struct scene_constraint *);
     objective->capacity = count;
+    if (count && !objective->batch) return PDYN_NO_MEMORY;
+    if (constraints && !sim->constraint) return PDYN_NO_MEMORY;
     pdyn_status status = add_each(sim, add_constraint);
     if (status == PDYN_OK) status = add_each(sim, add_damper);
     return status == PDYN_OK ? add_slip_and_seepage(sim) : status;
@@ -119,5 +126,6 @@ void batches_free(struct pdyn_sim *sim) {
     struct objective *objective = &sim->objective;
     for (int b = 0; b < objective->batches; b++) batch_free(objective->batch[b]);
     FREE_ARRAY(sim->context, objective->batch, objective->capacity);
+    FREE_ARRAY(sim->context, sim->constraint, count_constraints(sim));
     wet_sides_free(objective->wet_sides);
 }

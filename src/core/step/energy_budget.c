@@ -56,9 +56,8 @@ static bool is_source(const struct scene_constraint *c) {
 }
 
 static bool has_sources(const struct pdyn_sim *sim) {
-    for (int b = 0; b < sim->bodies; b++)
-        for (int k = 0; k < sim->scene.body[b].constraints; k++)
-            if (is_source(&sim->scene.body[b].constraint[k])) return true;
+    for (int k = 0; k < sim->constraints; k++)
+        if (is_source(sim->constraint[k])) return true;
     return false;
 }
 

@@ -81,9 +81,8 @@ typedef pdyn_status one_fn(struct pdyn_sim *sim, int k, const struct scene_const
 
 static pdyn_status for_all(struct pdyn_sim *sim, one_fn *one) {
     pdyn_status status = PDYN_OK;
-    for (int b = 0, k = 0; b < sim->bodies; b++)
-        for (int m = 0; m < sim->scene.body[b].constraints && status == PDYN_OK; m++, k++)
-            status = one(sim, k, &sim->scene.body[b].constraint[m]);
+    for (int k = 0; k < sim->constraints && status == PDYN_OK; k++)
+        status = one(sim, k, sim->constraint[k]);
     return status;
 }
 
@@ -99,14 +98,8 @@ pdyn_status schedule_switch(struct pdyn_sim *sim) {
 }
 
 void schedule_replace(struct pdyn_sim *sim, int constraint, const pdyn_param *param) {
-    for (int b = 0, k = 0; b < sim->bodies; k += sim->scene.body[b++].constraints) {
-        const struct scene_body *body = &sim->scene.body[b];
-        if (constraint - k >= body->constraints) continue;
-        const struct scene_constraint *c = &body->constraint[constraint - k];
-        for (int m = 0; m < c->keyed_params; m++)
-            c->keyed[m].replaced |= c->keyed[m].param == param;
-        return;
-    }
+    const struct scene_constraint *c = sim->constraint[constraint];
+    for (int m = 0; m < c->keyed_params; m++) c->keyed[m].replaced |= c->keyed[m].param == param;
 }
 
 /* ---- saved states ---------------------------------------------------------------------------- */
@@ -115,10 +108,7 @@ static const char bad_flag[] = "the flag of keys is neither 0 nor 1";
 
 void schedule_persist(struct pdyn_sim *sim, struct snapshot_file *file) {
     snapshot_file_flags(file, &sim->scene.settings.gravity_keys.replaced, 1, bad_flag);
-    for (int b = 0; b < sim->bodies; b++)
-        for (int m = 0; m < sim->scene.body[b].constraints; m++) {
-            const struct scene_constraint *c = &sim->scene.body[b].constraint[m];
-            for (int k = 0; k < c->keyed_params; k++)
-                snapshot_file_flags(file, &c->keyed[k].replaced, 1, bad_flag);
-        }
+    for (int k = 0; k < sim->constraints; k++)
+        for (int m = 0; m < sim->constraint[k]->keyed_params; m++)
+            snapshot_file_flags(file, &sim->constraint[k]->keyed[m].replaced, 1, bad_flag);
 }

@@ -50,7 +50,8 @@ struct pdyn_sim {
     /* What is minimised in a step. */
     struct objective objective; /* masses, prediction s, batches */
     int constraints; /* number of batches that are constraints of the scene; their dampers follow */
-    bool anchored;   /* a constraint can change the momentum of the system */
+    const struct scene_constraint **constraint; /* constraints: in the scene */
+    bool anchored; /* a constraint can change the momentum of the system */
 
     /* A step: from the base to the prediction, and from there to the last iterate. */
     double *x_base, *v_base; /* particles x 3: base of the step (integrator.h), m and m/s */

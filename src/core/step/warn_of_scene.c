@@ -76,8 +76,9 @@ static void check_elements(struct pdyn_sim *sim) {
 
 /* Constraints whose elements all have the weight 0, which no key of the scene changes. A bending
  * rigidity of 0 is common: a sheet keeps together without. */
-static void check_stiffness(struct pdyn_sim *sim, const struct scene_constraint *c,
-                            const struct batch *batch) {
+static void check_stiffness(struct pdyn_sim *sim, int k) {
+    const struct scene_constraint *c = sim->constraint[k];
+    const struct batch *batch = sim->objective.batch[k];
     double largest = 0.0;
     if (!batch_is_static(batch) || !batch_is_steady(batch) || batch->off) return;
     if (!batch->view.elements || c->keyed_params || !strcmp(c->type->name, "bending")) return;
@@ -85,12 +86,6 @@ static void check_stiffness(struct pdyn_sim *sim, const struct scene_constraint 
     if (largest == 0.0)
         WARN(sim, NO_EFFECT, batch->view.body->name, "\"%s\" has no effect: its stiffness is 0",
              c->type->name);
-}
-
-static void check_all_stiffness(struct pdyn_sim *sim) {
-    for (int b = 0, k = 0; b < sim->bodies; b++)
-        for (int m = 0; m < sim->scene.body[b].constraints; m++, k++)
-            check_stiffness(sim, &sim->scene.body[b].constraint[m], sim->objective.batch[k]);
 }
 
 /* Forces within a rigid body add up to nothing. */
@@ -288,7 +283,7 @@ pdyn_status warn_of_scene(struct pdyn_sim *sim) {
     check_probes(sim);
     warn_of_meshes(sim);
     check_elements(sim);
-    check_all_stiffness(sim);
+    for (int k = 0; k < sim->constraints; k++) check_stiffness(sim, k);
     check_contact(sim);
     warn_of_flow(sim);
     warn_of_values(sim);
