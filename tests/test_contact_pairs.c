@@ -121,13 +121,13 @@ static int count_contacts(const struct contact *c) {
         struct box box;
         wrap(c, &i, 1, 1, &box);
         for (int f = 0; exists(c, i) && f < (i < c->vertices ? c->faces : c->free_faces); f++)
-            if (touched[c->flat_part[f]] != i && !apart(&box, &face[f], T) &&
+            if (touched[c->flat.part[f]] != i && !apart(&box, &face[f], T) &&
                 touch(c, &pair_vertex_face, &i, c->face + 3 * f))
-                touched[c->flat_part[f]] = i, count++;
+                touched[c->flat.part[f]] = i, count++;
     }
     for (int a = 0; a < c->free_edges; a++)
         for (int b = a + 1; b < c->edges; b++)
-            if (!c->flat_edge[a] && !c->flat_edge[b] && !apart(&edge[a], &edge[b], T))
+            if (!c->flat.edge[a] && !c->flat.edge[b] && !apart(&edge[a], &edge[b], T))
                 count += touch(c, &pair_edge_edge, c->edge + 2 * a, c->edge + 2 * b);
     return count;
 }

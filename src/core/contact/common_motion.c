@@ -18,19 +18,20 @@
 
 /* The first body of the cluster of a body. */
 static int root_of(const struct contact *c, int body) {
-    while (c->cluster[body] != body) body = c->cluster[body];
+    while (c->common.cluster[body] != body) body = c->common.cluster[body];
     return body;
 }
 
 static void join(struct contact *c, int a, int b) {
     int low = a < b ? a : b, high = a < b ? b : a;
-    c->cluster[high] = low;
-    c->held_cluster[low] |= c->held_cluster[high];
+    c->common.cluster[high] = low;
+    c->common.held_cluster[low] |= c->common.held_cluster[high];
 }
 
 static void begin_clusters(struct contact *c) {
-    for (int b = 0; b < c->bodies; b++) c->cluster[b] = b, c->held_cluster[b] = c->held[b];
-    for (int i = c->vertices; i < c->free; i++) c->held_cluster[c->group[i]] = true;
+    for (int b = 0; b < c->bodies; b++)
+        c->common.cluster[b] = b, c->common.held_cluster[b] = c->common.held[b];
+    for (int i = c->vertices; i < c->free; i++) c->common.held_cluster[c->group[i]] = true;
 }
 
 /* The cluster of a group; -1: a solid. */
@@ -45,43 +46,47 @@ static void join_pairs(struct contact *c, bool stay) {
         int a = cluster_of(c, c->group[p->point[0]]), b = cluster_of(c, c->group[p->point[3]]);
         if (a >= 0 && b >= 0 && a != b && !stay) join(c, a, b);
         else if (a != b) {
-            if (a >= 0) c->held_cluster[a] = true;
-            if (b >= 0) c->held_cluster[b] = true;
+            if (a >= 0) c->common.held_cluster[a] = true;
+            if (b >= 0) c->common.held_cluster[b] = true;
         }
     }
 }
 
 /* ---- the common displacement ----------------------------------------------------------------- */
 
-/* Sets c->common to the means of c->path.step over the clusters. */
+/* Sets c->common.displacement to the means of c->path.step over the clusters. */
 static void find_means(struct contact *c) {
-    memset(c->common, 0, 3 * (size_t)c->bodies * sizeof *c->common);
-    for (int b = 0; b < c->bodies; b++) c->members[b] = 0;
+    struct common_motion *m = &c->common;
+    memset(m->displacement, 0, 3 * (size_t)c->bodies * sizeof *m->displacement);
+    for (int b = 0; b < c->bodies; b++) m->members[b] = 0;
     for (int i = 0; i < c->free; i++) {
         int root = root_of(c, c->group[i]);
-        c->members[root]++;
-        vec3_add(c->common + 3 * root, 1.0, c->path.step + 3 * i);
+        m->members[root]++;
+        vec3_add(m->displacement + 3 * root, 1.0, c->path.step + 3 * i);
     }
     for (int b = 0; b < c->bodies; b++) {
         int root = root_of(c, b);
         for (int a = 0; a < 3; a++)
-            c->common[3 * b + a] = c->held_cluster[root] ? 0.0
-                                   : b == root           ? c->common[3 * b + a] / c->members[b]
-                                                         : c->common[3 * root + a];
+            m->displacement[3 * b + a] = m->held_cluster[root] ? 0.0
+                                         : b == root ? m->displacement[3 * b + a] / m->members[b]
+                                                     : m->displacement[3 * root + a];
     }
 }
 
 pdyn_status common_motion_find(struct contact *c) {
+    struct common_motion *m = &c->common;
     begin_clusters(c);
     join_pairs(c, false);
     find_means(c);
     for (int i = 0; i < c->free; i++)
-        memcpy(c->path.step + 3 * i, c->common + 3 * c->group[i], 3 * sizeof *c->common);
+        memcpy(c->path.step + 3 * i, m->displacement + 3 * c->group[i],
+               3 * sizeof *m->displacement);
     pdyn_status status = contact_cover(c, c->path.x, c->path.step);
     join_pairs(c, true);
     for (int b = 0; b < c->bodies; b++)
-        if (c->held_cluster[root_of(c, b)]) memset(c->common + 3 * b, 0, 3 * sizeof *c->common);
+        if (m->held_cluster[root_of(c, b)])
+            memset(m->displacement + 3 * b, 0, 3 * sizeof *m->displacement);
     return status;
 }
 
-void contact_hold(struct contact *c, int body, bool held) { c->held[body] = held; }
+void contact_hold(struct contact *c, int body, bool held) { c->common.held[body] = held; }

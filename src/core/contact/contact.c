@@ -97,7 +97,7 @@ static void shorten_carriers(const struct contact *c, const double *x, double *t
 static void set_paths(struct contact *c, const double *x, const double *target) {
     gather(c, x, c->path.x);
     for (int i = 0; i < c->free; i++) {
-        vec3_add(c->path.x + 3 * i, 1.0, c->common + 3 * c->group[i]);
+        vec3_add(c->path.x + 3 * i, 1.0, c->common.displacement + 3 * c->group[i]);
         for (int a = 0; a < 3; a++)
             c->path.step[3 * i + a] = target[3 * c->column[i] + a] - c->path.x[3 * i + a];
     }
@@ -108,7 +108,7 @@ static void set_paths(struct contact *c, const double *x, const double *target) 
 static pdyn_status find_common_motion(struct contact *c, const double *x, const double *target) {
     set_paths(c, x, target);
     pdyn_status status = common_motion_find(c);
-    c->common_known = true;
+    c->common.known = true;
     set_paths(c, x, target);
     return status == PDYN_OK ? contact_free_paths(c) : status;
 }
@@ -118,7 +118,7 @@ pdyn_status contact_start(struct contact *c, const double *x, double *target) {
     copy_solids(c, c->begin, solids_in(c, c->at));
     set_paths(c, x, target);
     pdyn_status status = contact_free_paths(c);
-    if (status == PDYN_OK && !c->common_known && contact_least(c) < 1.0)
+    if (status == PDYN_OK && !c->common.known && contact_least(c) < 1.0)
         status = find_common_motion(c, x, target);
     for (int i = 0; i < c->free; i++)
         if (c->path.taken[i] < 1.0)
@@ -145,7 +145,7 @@ pdyn_status contact_filter(struct contact *c, const double *x, double *direction
 }
 
 const double *contact_common(const struct contact *c, int body) {
-    return c->common + 3 * (size_t)body;
+    return c->common.displacement + 3 * (size_t)body;
 }
 
 double contact_least(const struct contact *c) {
@@ -180,8 +180,8 @@ double contact_lag(const struct contact *c, int solid) {
 
 pdyn_status contact_begin(struct contact *c, const double *x, double time) {
     double start = clock_ms();
-    c->common_known = false;
-    memset(c->common, 0, 3 * (size_t)c->bodies * sizeof *c->common);
+    c->common.known = false;
+    memset(c->common.displacement, 0, 3 * (size_t)c->bodies * sizeof *c->common.displacement);
     copy_solids(c, solids_in(c, c->at), c->begin);
     if (c->moving) set_goals(c, time);
     pdyn_status status = contact_set_start(c);

@@ -63,6 +63,22 @@ struct contact_rigid { /* a rigid body */
     int carrier;      /* the first of the four particles of the system that carry it */
 };
 
+struct flat_sides { /* flat parts of solids and rigid bodies (flat_sides.c) */
+    int *across;    /* faces x 3: the face beyond the side opposite a corner; -1: it is not flat */
+    int *part;      /* faces: the first face of the flat part that it belongs to; or itself */
+    bool *edge;     /* edges_room: is such a side */
+    bool *point;    /* points: has such sides all around */
+};
+
+struct common_motion {    /* of bodies that fly together (common_motion.c) */
+    bool *held;           /* bodies: something holds parts of them */
+    double *displacement; /* bodies x 3, m: before the paths of this step */
+    bool known;           /* `displacement` was looked for in this step */
+    int *cluster;         /* bodies: another one of the cluster; itself: the first one */
+    int *members;         /* bodies: points of the cluster, at the first one */
+    bool *held_cluster;   /* bodies: the cluster has no common motion, at the first one */
+};
+
 /* Regions of points, boxes of faces and edges around them, and their trees (contact_regions.c). */
 struct broad_phase {
     struct box *region; /* points: while all points are inside, the list of pairs is complete */
@@ -131,29 +147,18 @@ struct contact {
     int *face;             /* faces x 3: points */
     int edges, free_edges, edges_room;
     int *edge; /* edges_room x 2: points */
-    /* flat parts of solids and rigid bodies (flat_sides.c) */
-    int *across;      /* faces x 3: the face beyond the side opposite a corner; -1: the side is not
-                         flat */
-    int *flat_part;   /* faces: the first face of the flat part that it belongs to; or itself */
-    bool *flat_edge;  /* edges_room: is such a side */
-    bool *flat_point; /* points: has such sides all around */
     int groups, bodies;
     struct contact_solid *solid; /* groups - bodies */
     int rigids;
     struct contact_rigid *rigid; /* rigids: no pair within one comes into contact */
     bool *permeable;             /* groups: particles of fluids pass their faces */
-    /* common motion (common_motion.c) */
-    bool *held;           /* bodies: something holds parts of them */
-    double *common;       /* bodies x 3, m: displacement before the paths of this step */
-    bool common_known;    /* ... was looked for in this step */
-    int *cluster;         /* bodies: another one of the cluster; itself: the first one */
-    int *members;         /* bodies: points of the cluster, at the first one */
-    bool *held_cluster;   /* bodies: the cluster has no common motion, at the first one */
-    pdyn_body body;       /* all free particles, for the batches */
+    pdyn_body body;              /* all free particles, for the batches */
     double *begin, *goal; /* (points - free) x 3, m: solids at the beginning and end of the step */
     bool moving;          /* some solid moves in this scene */
     bool lagging;         /* some solid has not reached its goal */
 
+    struct flat_sides flat;
+    struct common_motion common;
     struct broad_phase broad;
     struct pair_list pairs;
     struct pair_search found;
@@ -276,7 +281,8 @@ void contact_free_pairs(struct contact *contact);
 /* Shortens contact->path.step from contact->path.x to free paths; sets contact->path.taken. */
 pdyn_status contact_free_paths(struct contact *contact);
 
-/* Sets contact->common from the paths x and step of all points, which are not shortened. */
+/* Sets contact->common.displacement from the paths x and step of all points, which are not
+ * shortened. */
 pdyn_status common_motion_find(struct contact *contact);
 
 /* Sets the contacts at contact->at, from the list of pairs. */

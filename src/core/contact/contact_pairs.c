@@ -90,7 +90,7 @@ static struct pair make_pair(const struct contact *c, bool edges, int a, int b) 
 static void visit(void *user, int id) {
     const struct search *s = user;
     struct contact *c = s->contact;
-    if (s->edges && c->flat_edge[s->base + id]) return;
+    if (s->edges && c->flat.edge[s->base + id]) return;
     struct pair p = make_pair(c, s->edges, s->a, s->base + id);
     if (!close_enough(c, &p)) return;
     size_t at = c->found.start[s->block] + (size_t)c->found.count[s->block]++;
@@ -134,7 +134,7 @@ static void search_block(void *arg, int first, int last, int block) {
         struct box point;
         s.block = block;
         if (!edges && (c->group[q] < 0 || box_is_empty(&c->broad.region[q]))) continue;
-        if (edges ? c->flat_edge[s.a] : c->flat_point[q]) continue;
+        if (edges ? c->flat.edge[s.a] : c->flat.point[q]) continue;
         if (!edges) contact_wrap_regions(c, &q, 1, &point);
         search_around(&s, edges ? &c->broad.edge_box[s.a] : &point);
         sort_found(c, block, begin);

@@ -35,10 +35,10 @@ static int list_sides(struct contact *c, struct side *side) {
         int corner = k % 3, *face = c->face + (k - corner);
         int a = face[(corner + 1) % 3], b = face[(corner + 2) % 3];
         if (c->group[a] != group) stiff = is_stiff(c, group = c->group[a]);
-        c->across[k] = -1;
+        c->flat.across[k] = -1;
         if (!stiff) continue;
         side[count++] = (struct side){a < b ? a : b, a < b ? b : a, k / 3, corner};
-        c->flat_point[a] = true;
+        c->flat.point[a] = true;
     }
     return count;
 }
@@ -72,10 +72,10 @@ static int keep_flat(struct contact *c, struct side *side, int count) {
         for (last = first + 1; last < count && !compare_sides(&side[first], &side[last]);) last++;
         const struct side s[2] = {side[first], side[first + (last - first == 2)]};
         if (last - first == 2 && are_flat(c, s)) {
-            c->across[3 * s[0].face + s[0].corner] = s[1].face;
-            c->across[3 * s[1].face + s[1].corner] = s[0].face;
+            c->flat.across[3 * s[0].face + s[0].corner] = s[1].face;
+            c->flat.across[3 * s[1].face + s[1].corner] = s[0].face;
             side[kept++] = s[0];
-        } else c->flat_point[s[0].low] = c->flat_point[s[0].high] = false;
+        } else c->flat.point[s[0].low] = c->flat.point[s[0].high] = false;
     }
     return kept;
 }
@@ -85,26 +85,26 @@ static void mark_edges(struct contact *c, const struct side *side, int count) {
     for (int e = 0; e < c->edges; e++) {
         int a = c->edge[2 * e], b = c->edge[2 * e + 1];
         const struct side key = {a < b ? a : b, a < b ? b : a, 0, 0};
-        c->flat_edge[e] = count && bsearch(&key, side, (size_t)count, sizeof *side, compare_sides);
+        c->flat.edge[e] = count && bsearch(&key, side, (size_t)count, sizeof *side, compare_sides);
     }
 }
 
 /* The first face of the part that a face belongs to so far; halves the way for the next time. */
 static int first_face(struct contact *c, int face) {
-    int *next = c->flat_part;
+    int *next = c->flat.part;
     while (next[face] != face) face = next[face] = next[next[face]];
     return face;
 }
 
 /* Joins the faces on both sides of each flat side. */
 static void join_faces(struct contact *c) {
-    for (int f = 0; f < c->faces; f++) c->flat_part[f] = f;
+    for (int f = 0; f < c->faces; f++) c->flat.part[f] = f;
     for (int k = 0; k < 3 * c->faces; k++) {
-        if (c->across[k] < 0) continue;
-        int a = first_face(c, k / 3), b = first_face(c, c->across[k]);
-        c->flat_part[a > b ? a : b] = a < b ? a : b;
+        if (c->flat.across[k] < 0) continue;
+        int a = first_face(c, k / 3), b = first_face(c, c->flat.across[k]);
+        c->flat.part[a > b ? a : b] = a < b ? a : b;
     }
-    for (int f = 0; f < c->faces; f++) c->flat_part[f] = first_face(c, f);
+    for (int f = 0; f < c->faces; f++) c->flat.part[f] = first_face(c, f);
 }
 
 pdyn_status contact_find_flat_sides(struct contact *c) {
@@ -121,13 +121,13 @@ pdyn_status contact_find_flat_sides(struct contact *c) {
 uint64_t contact_key(const struct contact *c, const struct pair *p) {
     if (pair_kind_of(p->key) != &pair_vertex_face) return p->key;
     uint64_t face = p->key & 0xFFFFFFFFu;
-    return p->key - face + (uint64_t)c->flat_part[face];
+    return p->key - face + (uint64_t)c->flat.part[face];
 }
 
 void contact_side(const struct contact *c, const struct pair *p, double side[3]) {
     const int *end = p->point + 2; /* of two edges */
     if (pair_kind_of(p->key) == &pair_vertex_face)
-        end = c->face + 3 * (size_t)c->flat_part[p->key & 0xFFFFFFFFu];
+        end = c->face + 3 * (size_t)c->flat.part[p->key & 0xFFFFFFFFu];
     vec3_subtract(side, c->at + 3 * (size_t)end[1], c->at + 3 * (size_t)end[0]);
 }
 
@@ -148,7 +148,7 @@ bool contact_is_beyond_flat_side(const struct contact *c, const struct pair *p,
     int face = (int)(p->key & 0xFFFFFFFFu);
     if (pair_kind_of(p->key) != &pair_vertex_face) return false;
     for (int k = 0; k < 3; k++) {
-        int other = c->across[3 * face + k];
+        int other = c->flat.across[3 * face + k];
         if (other < 0 || fabs(hit->c[1 + k]) > same) continue;
         const int *corner = c->face + 3 * other,
                   point[4] = {p->point[0], corner[0], corner[1], corner[2]};
