@@ -38,14 +38,14 @@ static pdyn_status load(pdyn_context *in, const char *path, const char *const *s
 }
 
 static pdyn_status open_writer(pdyn_sim *of, const char *directory) {
-    pdyn_writer *out = NULL;
+    pdyn_writer *out = writer; /* a failure sets it to NULL */
     pdyn_status status = pdyn_writer_open(of, directory, false, &out);
     assert_null(out);
     return status;
 }
 
 static pdyn_status resume_writer(pdyn_sim *of, const char *directory) {
-    pdyn_writer *out = NULL;
+    pdyn_writer *out = writer; /* a failure sets it to NULL */
     pdyn_status status = pdyn_writer_resume(of, directory, &out);
     assert_null(out);
     return status;

@@ -2,8 +2,8 @@
  *
  *     b(d) = k (T - d)^3 / (2 d),    -b' = k/2 (T - d)^2 (T + 2 d) / d^2,    b'' = k (T^3/d^3 - 1),
  *
- * with two continuous derivatives at T; k: N/m, the stiffness of the scene's contact times the
- * share of the pair. */
+ * with two continuous derivatives at T; 0 < d <= T, m; k: N/m, the stiffness of the scene's contact
+ * times the share of the pair (docs/theory/contact.md). */
 #ifndef PROJDYN_BARRIER_H
 #define PROJDYN_BARRIER_H
 

@@ -1,4 +1,4 @@
-/* Axis-aligned boxes. */
+/* Axis-aligned boxes. Points have 3 coordinates, m. */
 #ifndef PROJDYN_BOX_H
 #define PROJDYN_BOX_H
 
@@ -32,7 +32,7 @@ static inline void box_grow(struct box *box, double distance) {
     for (int a = 0; a < 3; a++) box->min[a] -= distance, box->max[a] += distance;
 }
 
-/* The longest side, m. */
+/* The longest side, m; 0 for a box that contains no point. */
 static inline double box_extent(const struct box *box) {
     double extent = 0.0;
     for (int a = 0; a < 3; a++) extent = fmax(extent, box->max[a] - box->min[a]);

@@ -1,4 +1,5 @@
-/* The point of a triangle closest to a given point, in barycentric coordinates. */
+/* The point of a triangle closest to a given point, in barycentric coordinates. x and the corners
+ * have 3 coordinates each, m. */
 #ifndef PROJDYN_CLOSEST3_H
 #define PROJDYN_CLOSEST3_H
 

@@ -21,7 +21,7 @@ extern "C" {
  * not live have no effect. */
 PDYN_API pdyn_status pdyn_set_forces(pdyn_sim *sim, int first, int count, const double *force);
 PDYN_API pdyn_status pdyn_add_forces(pdyn_sim *sim, int first, int count, const double *force);
-/* m/s^2; in the place of keys of the scene. */
+/* Gravity, m/s^2, for all bodies; in the place of keys of the scene. */
 PDYN_API pdyn_status pdyn_set_gravity(pdyn_sim *sim, const double gravity[3]);
 PDYN_API void pdyn_get_gravity(const pdyn_sim *sim, double gravity[3]);
 
@@ -44,6 +44,7 @@ PDYN_API pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const cha
 /* Switches a constraint off and on. PDYN_BAD_INPUT: a constraint that is matrix-free, as "fluid".
  * Solvers. */
 PDYN_API pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled);
+/* Whether it acts; false: no such constraint. */
 PDYN_API bool pdyn_is_enabled(const pdyn_sim *sim, int constraint);
 
 /* Holds a particle: a spring of the stiffness, N/m, pulls it to the target, m. Given again for the

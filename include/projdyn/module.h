@@ -8,8 +8,11 @@
  * and assembled matrix:
  *
  *     E(x) = 1/(2 h^2) |M^(1/2) (x - s)|^2 + sum w/2 |G x - p|^2
- *     H    = M/h^2 + sum w G' ((1 - eps) (I - J) + eps I) G,    eps = 1: classic Projective
- * Dynamics
+ *     H    = M/h^2 + sum w G' ((1 - eps) (I - J) + eps I) G
+ *
+ * x: positions of all particles of the system, m (particles x 3); M: masses, kg; h: effective
+ * length of the step, s; s: where inertia and gravity alone take the particles, m; eps = 1: classic
+ * Projective Dynamics (Bouaziz et al. 2014), 0: Newton's method (docs/theory/step.md).
  *
  * Callbacks work on a range of elements [first, last). They read only the u and p of these elements
  * and write only what belongs to them, run on any thread and in any order, keep no state of their
@@ -296,8 +299,9 @@ typedef struct pdyn_neighbours {
                                           `volume` has the product at the beginning of a step */
 } pdyn_neighbours;
 
-/* One-sided scalar constraints C_i <= 0 at the last local step. The energy of constraint i is
- * k_i / 2 max(0, C_i)^2; k_i is constant in a step. */
+/* One-sided scalar constraints C_i <= 0 at the last local step. The energy of constraint i, J, is
+ * k_i / 2 max(0, C_i)^2; k_i is constant in a step. C_i may have any unit c: that of k_i is J/c^2,
+ * of a multiplier k_i C_i J/c. */
 typedef struct pdyn_one_sided {
     int count;                /* first one for each particle of the body, then further ones */
     const double *value;      /* count: C_i, negative where the constraint has slack */
@@ -399,7 +403,7 @@ typedef struct pdyn_constraint_type {
      * reads the scene; a fault is an error of the scene. NULL: nothing to compute. */
     pdyn_param_fault (*resolve)(void *params, const pdyn_scene_info *scene);
     size_t data_size; /* bytes of `data` per element */
-    /* Number of elements on this body. NULL: `update` returns it. */
+    /* Number of elements on this body, 0 or more. NULL: `update` returns it. */
     int (*elements)(const void *params, const pdyn_body *body);
     /* Elements that come and go: tells which elements there are, given the positions x (m) and
      * velocities v (m/s) of all particles of the system (particles x 3). Each element has `rows`
@@ -424,7 +428,7 @@ typedef struct pdyn_constraint_type {
     int rows, width;
     void (*row_sizes)(const void *params, const pdyn_batch *batch, int element, int *rows,
                       int *width);
-    /* Fills column, coefficient and data. */
+    /* Fills column, coefficient and data: G of these elements. */
     void (*select)(const void *params, const pdyn_batch *batch, int first, int last);
     /* Fills weight, which must not depend on u. Called once, and when parameters change; with
      * `begin` or `update`, in every step. A weight that depends on `memory`, on `time` or on the
@@ -523,9 +527,9 @@ typedef struct pdyn_model {
     int elements_count;  /* constraints whose rows always exist */
     int one_sided_count; /* matrix-free constraints */
     int dynamic_count;   /* constraints whose elements come and go */
-    /* y = H u */
+    /* y = H u, N for u in m */
     void (*product)(struct pdyn_model *model, const double *u, double *y);
-    /* The 3 x 3 block diagonal of a part of H, packed xx xy xz yy yz zz: particles x 6. */
+    /* The 3 x 3 block diagonal of a part of H, N/m, packed xx xy xz yy yz zz: particles x 6. */
     void (*diagonal)(struct pdyn_model *model, pdyn_part part, double *blocks);
     /* A preconditioner of rigid bodies: z of their particles becomes B^-1 r, where B is the block
      * diagonal of H, as of the last call of `diagonal` for PDYN_WHOLE, and the part of H by rows

@@ -92,11 +92,14 @@ typedef struct pdyn_options {
     bool refuse_scene_plugins;
 } pdyn_options;
 
+/* Version of the library, "MAJOR.MINOR.PATCH". */
 PDYN_API const char *pdyn_version(void);
 /* Names of the built-in solvers, with a space between them. "cholesky" is one of them unless the
  * library was built without CHOLMOD. */
 PDYN_API const char *pdyn_solvers(void);
+/* The text of PDYN_STATUS_LIST; "unknown status" for any other number. */
 PDYN_API const char *pdyn_status_text(pdyn_status status);
+/* Options that are all default: all members 0, but for `allocate`. */
 PDYN_API void pdyn_default_options_sized(pdyn_options *out, size_t size);
 static inline pdyn_options pdyn_default_options(void) {
     pdyn_options out;
@@ -115,7 +118,9 @@ static inline pdyn_status pdyn_create(const pdyn_options *options, pdyn_context 
 PDYN_API void pdyn_destroy(pdyn_context *context);
 /* Text of the last error; never NULL. After PDYN_BAD_CALL it may be that of an error before. */
 PDYN_API const char *pdyn_last_error(const pdyn_context *context);
+/* Number of threads, the caller's included. */
 PDYN_API int pdyn_thread_count(const pdyn_context *context);
+/* Bytes that the context and all that it made hold: at this moment, and at most so far. */
 PDYN_API size_t pdyn_bytes_in_use(const pdyn_context *context);
 PDYN_API size_t pdyn_peak_bytes(const pdyn_context *context);
 
@@ -127,7 +132,7 @@ PDYN_API pdyn_status pdyn_load_plugin(pdyn_context *context, const char *path);
 
 /* Describes the registered constraint types and solvers as text for users: name NULL lists all,
  * otherwise one with its parameters, units, defaults and bounds. Calls `write` with pieces of the
- * text. PDYN_BAD_INPUT: unknown name. */
+ * text, which are valid during the call. PDYN_BAD_INPUT: unknown name. PDYN_NO_MEMORY. */
 PDYN_API pdyn_status pdyn_describe(pdyn_context *context, const char *name,
                                    void (*write)(void *user, const char *text), void *user);
 
@@ -138,29 +143,31 @@ PDYN_API pdyn_status pdyn_describe(pdyn_context *context, const char *name,
 PDYN_API pdyn_status pdyn_load(pdyn_context *context, const char *path, const char *const *set,
                                int count, pdyn_sim **out);
 /* Loads a scene from a JSON text. `name` stands for the file in messages; relative names of mesh
- * files are resolved from the current directory. */
+ * files are resolved from the current directory. Errors as pdyn_load. */
 PDYN_API pdyn_status pdyn_load_text(pdyn_context *context, const char *text, const char *name,
                                     const char *const *set, int count, pdyn_sim **out);
 PDYN_API void pdyn_free(pdyn_sim *sim); /* NULL: does nothing */
 
 /* Results of a step. A step never passes the time of the next frame. */
 typedef struct pdyn_step_info {
-    double time;          /* s, at the end of the step */
-    double h;             /* s, length of the step */
-    bool frame;           /* the step ended exactly at a frame */
-    int outer_iterations; /* local/global iterations */
-    int linear_iterations;
+    double time;               /* s, at the end of the step */
+    double h;                  /* s, length of the step */
+    bool frame;                /* the step ended exactly at a frame */
+    int outer_iterations;      /* local/global iterations */
+    int linear_iterations;     /* of the linear solver, all outer iterations together */
     int impacts;               /* one-sided constraints that stopped a motion; 0 with "euler" */
     int retries;               /* rejected attempts: each made the step shorter */
     int particles;             /* live particles of all bodies of particles */
     double density_error_mean; /* mean over fluid particles of max(0, rho/rho_0 - 1) */
     double density_error_max;
     double step_residual; /* largest pdyn_body_info.residual, at the end */
-    double kinetic_energy, potential_energy, constraint_energy; /* J */
-    double momentum[3];                                         /* kg m/s */
-    double pin_reaction[3]; /* N, gradient of all other terms at the pinned points */
-    double ms_neighbours, ms_local, ms_global, ms_contact; /* wall-clock time */
-    double ms_cpu; /* processor time of all threads of the process */
+    /* J: of all particles; in gravity, relative to the origin; stored by constraints and contact */
+    double kinetic_energy, potential_energy, constraint_energy;
+    double momentum[3];     /* kg m/s */
+    double pin_reaction[3]; /* N, force of all pins on their bodies: the gradient of all other terms
+                               at the pinned points */
+    double ms_neighbours, ms_local, ms_global, ms_contact; /* ms, wall-clock time */
+    double ms_cpu; /* ms, processor time of all threads of the process */
     long leaked;   /* particles that are beyond a surface or solid which they passed through */
 } pdyn_step_info;
 
@@ -181,7 +188,7 @@ typedef struct pdyn_iteration {
     double energy;         /* J, minimised function */
     double residual;       /* largest pdyn_body_info.residual, at x */
     double damping;        /* eps: 0 for "newton", 1 for "projective" */
-    const double *x;       /* particles x 3 */
+    const double *x;       /* m, particles x 3: the iterate; valid during the call */
 } pdyn_iteration;
 PDYN_API void pdyn_observe(pdyn_sim *sim, void (*observer)(void *user, const pdyn_iteration *),
                            void *user);
@@ -195,6 +202,8 @@ PDYN_API double pdyn_frame_interval(const pdyn_sim *sim); /* s */
  * pdyn_duration(sim)` may take one step too many. NULL: true. */
 PDYN_API bool pdyn_has_reached(const pdyn_sim *sim, double time);
 PDYN_API bool pdyn_is_finished(const pdyn_sim *sim);
+/* Name of the linear solver, and in words why it was chosen. With several, as in "auto": of the
+ * first one. */
 PDYN_API const char *pdyn_solver_type(const pdyn_sim *sim);
 PDYN_API const char *pdyn_solver_reason(const pdyn_sim *sim);
 PDYN_API const char *pdyn_integrator(const pdyn_sim *sim); /* "bdf2" or "euler" */
@@ -252,9 +261,9 @@ static inline pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {
 }
 
 typedef struct pdyn_constraint_info {
-    const char *type, *body;
-    int elements;
-    double energy; /* J, at the end of the last step */
+    const char *type, *body; /* names */
+    int elements;            /* at this moment; of some types another number after each step */
+    double energy;           /* J, at the end of the last step */
 } pdyn_constraint_info;
 /* All members 0: no such constraint. */
 PDYN_API void pdyn_get_constraint_sized(const pdyn_sim *sim, int constraint,
@@ -349,11 +358,11 @@ PDYN_API int pdyn_solid_vertices(const pdyn_sim *sim, int solid, double *x);
 PDYN_API pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double force[3],
                                      double moment[3]);
 
-/* Save the state to a file, or restore it in a simulation loaded from the same scene, whose
- * duration, step lengths, retries, tolerances and iterations of the solver, and names and colours
- * that no result depends on may differ. Without a
- * difference, the restored simulation continues with the same bits as without interruption. The
- * file appears complete or not at all. PDYN_BAD_INPUT: not a saved state, or of another scene or
+/* Save the state to a file, or restore it in a simulation loaded from the same scene. Only these
+ * keys of the scene may differ: duration, step lengths, retries, tolerances and iterations of the
+ * solver, and names and colours that no result depends on. Without a difference, the restored
+ * simulation continues with the same bits as without interruption. The file appears complete or not
+ * at all. PDYN_BAD_INPUT: not a saved state, or of another scene or
  * version, or a field is not valid. PDYN_IO_FAILED, PDYN_NO_MEMORY. After a failure the simulation
  * continues from its state before, but loads on solids may be zero until the next step; without
  * memory to bring that state back, later steps fail with PDYN_BAD_CALL. */
@@ -373,11 +382,17 @@ PDYN_API pdyn_status pdyn_restore_memory(pdyn_sim *sim, const void *buffer, size
  * frame like a body "boundary". DIR/solids has the mesh of every solid: NAME.vtk, or for a solid
  * that moves a file per frame and NAME.vtk.series. Triangles face outwards, of a box from its
  * inside; its open sides have none. DIR/files.json lists the files of bodies and solids:
- * pdyn_writer_open removes those of the previous run in the directory, and no other files. Files
- * appear complete or not at all. Functions return PDYN_IO_FAILED if a file cannot be written. */
+ * pdyn_writer_open makes the directory and removes the files of the previous run in it, and no
+ * other files. Files appear complete or not at all.
+ *
+ * On failure *out is NULL. PDYN_IO_FAILED: a file cannot be written. PDYN_BAD_INPUT: another
+ * process writes to the directory, or the scene reads a file that this run would replace.
+ * PDYN_NO_MEMORY. Close a writer before its simulation is freed. */
 typedef struct pdyn_writer pdyn_writer;
 PDYN_API pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool ply,
                                       pdyn_writer **out);
+/* Writes a frame of the current state. PDYN_IO_FAILED, PDYN_NO_MEMORY, also of
+ * the next three functions. */
 PDYN_API pdyn_status pdyn_writer_frame(pdyn_writer *writer);
 /* Adds a row to DIR/metrics.csv, and to DIR/probes.csv in a scene with probes. */
 PDYN_API pdyn_status pdyn_writer_step_sized(pdyn_writer *writer, const pdyn_step_info *info,
@@ -392,9 +407,10 @@ PDYN_API pdyn_status pdyn_writer_report(pdyn_writer *writer, const char *path, b
 /* Saves simulation and writer to DIR/state.pdyn. */
 PDYN_API pdyn_status pdyn_writer_save(pdyn_writer *writer);
 /* Continues the output of a run saved in DIR/state.pdyn. `sim` must be loaded from the same scene;
- * its state is restored. */
+ * its state is restored. Errors as pdyn_restore and pdyn_writer_open. */
 PDYN_API pdyn_status pdyn_writer_resume(pdyn_sim *sim, const char *directory, pdyn_writer **out);
-PDYN_API void pdyn_writer_close(pdyn_writer *writer); /* NULL: does nothing */
+/* Frees the writer; its files are complete without it. NULL: does nothing. */
+PDYN_API void pdyn_writer_close(pdyn_writer *writer);
 
 #ifdef __cplusplus
 }

@@ -72,7 +72,7 @@ PDYN_API pdyn_status pdyn_scene_particles(pdyn_scene *scene, const char *file, i
  * scene with a text also line and column. */
 PDYN_API pdyn_status pdyn_scene_load(pdyn_scene *scene, pdyn_sim **out);
 
-/* Passes the JSON text of the scene to `write`. */
+/* Passes the JSON text of the scene to `write`; it is valid during the call. PDYN_NO_MEMORY. */
 PDYN_API pdyn_status pdyn_scene_text(pdyn_scene *scene, void (*write)(void *user, const char *text),
                                      void *user);
 /* Writes the scene to the file `path`, and its arrays to files of their names beside it: loaded

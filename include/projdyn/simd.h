@@ -57,10 +57,12 @@ INLINE void v4_widen(v4 *out, const float *from) {
 /* y += a, first three lanes */
 INLINE void v4_add_to(double *y, const v4 *a) { y[0] += (*a)[0], y[1] += (*a)[1], y[2] += (*a)[2]; }
 
+/* a . b of the first three lanes */
 INLINE double v4_dot(const v4 *a, const v4 *b) {
     return (*a)[0] * (*b)[0] + (*a)[1] * (*b)[1] + (*a)[2] * (*b)[2];
 }
 
+/* The sum of all four lanes */
 INLINE double v4_sum(const v4 *a) { return ((*a)[0] + (*a)[2]) + ((*a)[1] + (*a)[3]); }
 
 /* Dot product of a and b, `count` each, summed in sixteen lanes: no addition waits for another. */

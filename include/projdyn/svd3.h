@@ -45,7 +45,8 @@ static inline void svd3_make_normal(double *a, const double *b, double least) {
 }
 
 /* Decomposes F, column by column: F[3 * c + k] is entry (k, c). The right vectors are the
- * eigenvectors of F' F, by Jacobi rotations: at most eight sweeps, to rounding errors. */
+ * eigenvectors of F' F, by Jacobi rotations: at most eight sweeps, to rounding errors. Needs finite
+ * entries. */
 static inline svd3 svd3_of(const double *F) {
     static const double unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     svd3 d;

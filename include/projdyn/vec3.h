@@ -1,4 +1,5 @@
-/* Operations on 3-vectors, 3 x 3 matrices and the projection to a given length. */
+/* Operations on 3-vectors, 3 x 3 matrices and the projection to a given length. Vectors have
+ * 3 numbers, matrices 9, row by row. */
 #ifndef PROJDYN_VEC3_H
 #define PROJDYN_VEC3_H
 
@@ -58,7 +59,7 @@ static inline double vec3_cofactors(double *C, const double *A) {
     return vec3_dot(A, C);
 }
 
-/* y = A^-1 b of a symmetric 3 x 3 matrix A; y must not be b. */
+/* y = A^-1 b of a symmetric 3 x 3 matrix A, not finite where A is singular; y must not be b. */
 static inline void vec3_solve(double *y, const double *A, const double *b) {
     double C[9], determinant = vec3_cofactors(C, A);
     vec3_multiply(y, C, b);

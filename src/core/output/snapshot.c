@@ -176,21 +176,21 @@ pdyn_status snapshot_end_read(struct pdyn_sim *sim, struct snapshot_file *before
 /* ---- public functions ------------------------------------------------------------------------ */
 
 pdyn_status pdyn_save(pdyn_sim *sim, const char *path) {
-    struct snapshot_file a;
+    struct snapshot_file file;
     if (!sim || !path) return PDYN_BAD_CALL;
-    pdyn_status status = snapshot_file_create(sim->context, path, &a);
+    pdyn_status status = snapshot_file_create(sim->context, path, &file);
     if (status != PDYN_OK) return status;
-    snapshot_write(sim, &a);
-    return snapshot_file_close(&a);
+    snapshot_write(sim, &file);
+    return snapshot_file_close(&file);
 }
 
 pdyn_status pdyn_save_memory(pdyn_sim *sim, void *buffer, size_t capacity, size_t *size) {
-    struct snapshot_file a;
+    struct snapshot_file file;
     if (!sim || !size || (!buffer && capacity)) return PDYN_BAD_CALL;
-    snapshot_buffer_create(sim->context, buffer, capacity, &a);
-    pdyn_status status = snapshot_write(sim, &a);
+    snapshot_buffer_create(sim->context, buffer, capacity, &file);
+    pdyn_status status = snapshot_write(sim, &file);
     if (status != PDYN_OK) return status;
-    *size = snapshot_buffer_end(&a);
+    *size = snapshot_buffer_end(&file);
     return buffer && *size > capacity ? PDYN_BAD_CALL : PDYN_OK;
 }
 
@@ -203,15 +203,15 @@ static pdyn_status restore_from(pdyn_sim *sim, struct snapshot_file *file) {
 }
 
 pdyn_status pdyn_restore(pdyn_sim *sim, const char *path) {
-    struct snapshot_file a;
+    struct snapshot_file file;
     if (!sim || !path) return PDYN_BAD_CALL;
-    pdyn_status status = snapshot_file_open(sim->context, path, &a);
-    return status == PDYN_OK ? restore_from(sim, &a) : status;
+    pdyn_status status = snapshot_file_open(sim->context, path, &file);
+    return status == PDYN_OK ? restore_from(sim, &file) : status;
 }
 
 pdyn_status pdyn_restore_memory(pdyn_sim *sim, const void *buffer, size_t size) {
-    struct snapshot_file a;
+    struct snapshot_file file;
     if (!sim || !buffer) return PDYN_BAD_CALL;
-    pdyn_status status = snapshot_buffer_open(sim->context, buffer, size, &a);
-    return status == PDYN_OK ? restore_from(sim, &a) : status;
+    pdyn_status status = snapshot_buffer_open(sim->context, buffer, size, &file);
+    return status == PDYN_OK ? restore_from(sim, &file) : status;
 }

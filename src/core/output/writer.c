@@ -96,24 +96,26 @@ static pdyn_status persist_output(pdyn_writer *writer, struct snapshot_file *fil
 }
 
 pdyn_status pdyn_writer_save(pdyn_writer *writer) {
-    struct snapshot_file a;
+    struct snapshot_file file;
     if (!writer) return PDYN_BAD_CALL;
     double start = clock_ms();
-    pdyn_status status = snapshot_file_create(writer->context, writer_path(writer, STATE_FILE), &a);
+    pdyn_status status =
+        snapshot_file_create(writer->context, writer_path(writer, STATE_FILE), &file);
     if (status != PDYN_OK) return status;
-    if (snapshot_write(writer->sim, &a) == PDYN_OK) persist_output(writer, &a);
-    status = snapshot_file_close(&a);
+    if (snapshot_write(writer->sim, &file) == PDYN_OK) persist_output(writer, &file);
+    status = snapshot_file_close(&file);
     writer->report.output_ms += clock_ms() - start;
     return status;
 }
 
 /* Reads the states of simulation and writer; that of the simulation before goes to `before`. */
 static pdyn_status load_state(pdyn_writer *writer, struct snapshot_file *before) {
-    struct snapshot_file a;
-    pdyn_status status = snapshot_file_open(writer->context, writer_path(writer, STATE_FILE), &a);
+    struct snapshot_file file;
+    pdyn_status status =
+        snapshot_file_open(writer->context, writer_path(writer, STATE_FILE), &file);
     if (status != PDYN_OK) return status;
-    if (snapshot_read(writer->sim, &a, before) == PDYN_OK) persist_output(writer, &a);
-    return snapshot_file_close(&a);
+    if (snapshot_read(writer->sim, &file, before) == PDYN_OK) persist_output(writer, &file);
+    return snapshot_file_close(&file);
 }
 
 static pdyn_status resume(pdyn_writer *writer, const char *directory) {
@@ -203,8 +205,8 @@ static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
 static pdyn_status open_writer(pdyn_sim *sim, const char *directory, bool ply,
                                pdyn_status (*begin)(pdyn_writer *writer, const char *directory),
                                pdyn_writer **out) {
+    if (out) *out = NULL;
     if (!sim || !directory || !out) return PDYN_BAD_CALL;
-    *out = NULL;
     if (!*directory)
         return context_fail(sim->context, PDYN_BAD_CALL, "the output directory has an empty name");
     pdyn_writer *writer = NEW_ARRAY(sim->context, 1, pdyn_writer);
