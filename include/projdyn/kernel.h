@@ -83,6 +83,7 @@ struct surface_kernel {
     double value;     /* 2 A / (pi s d), 1/m^2: for areas given as volumes, area times d */
 };
 
+/* S of a model for particles that are `spacing` apart, m. */
 static inline struct surface_kernel surface_kernel_make(const struct kernel_model *model,
                                                         double spacing) {
     double reach = model->reach * spacing;

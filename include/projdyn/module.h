@@ -40,12 +40,12 @@ typedef enum pdyn_param_kind {
     PDYN_VERTICES, /* pdyn_vertices: chosen points of the body */
     PDYN_PATH,     /* pdyn_path: three numbers over time */
     PDYN_OTHER,    /* pdyn_other: the name of another body that has a surface */
-    /* What the rows of a pdyn_table belong to; the kind is PDYN_TABLE(PDYN_PER_TET, 3). */
-    PDYN_ROWS = 0x100,       /* any number of rows, at least one */
-    PDYN_PER_VERTEX = 0x200, /* one row for each vertex of the body, */
-    PDYN_PER_TRIANGLE =
-        0x300,            /* for each triangle (both need PDYN_ON_SURFACE or PDYN_ON_VOLUME), */
-    PDYN_PER_TET = 0x400, /* for each tetrahedron (needs PDYN_ON_VOLUME) */
+    /* Rows of a pdyn_table; the kind is for example PDYN_TABLE(PDYN_PER_TET, 3). Rows per vertex or
+     * triangle need PDYN_ON_SURFACE or PDYN_ON_VOLUME, rows per tetrahedron PDYN_ON_VOLUME. */
+    PDYN_ROWS = 0x100,            /* any number of rows, at least one */
+    PDYN_PER_VERTEX = 0x200,      /* one row for each vertex of the body */
+    PDYN_PER_TRIANGLE = 0x300,    /* one row for each triangle */
+    PDYN_PER_TET = 0x400,         /* one row for each tetrahedron */
     PDYN_VERTEX_COLUMN = 0x10000, /* of PDYN_VERTEX_TABLE, for each column of vertices */
     PDYN_LARGEST_KIND = 0xFFFFFF, /* the enumeration holds every table */
 } pdyn_param_kind;
@@ -53,9 +53,9 @@ typedef enum pdyn_param_kind {
 /* A pdyn_table with `width` numbers in each row, 1 to 255. */
 #define PDYN_TABLE(rows, width) ((pdyn_param_kind)((rows) + (width)))
 
-/* The same; the first `vertices` numbers of a row are vertices of the body, counted from its first
- * one, different ones in a row. Core checks them; `min` and `max` are bounds of the other numbers.
- * Has no default, and needs PDYN_ON_SURFACE or PDYN_ON_VOLUME. */
+/* A pdyn_table whose rows begin with `vertices` numbers of vertices of the body, counted from its
+ * first one, different ones in a row; `width` counts them, too. Core checks them; `min` and `max`
+ * are bounds of the other numbers. Has no default, and needs PDYN_ON_SURFACE or PDYN_ON_VOLUME. */
 #define PDYN_VERTEX_TABLE(rows, vertices, width)                                                   \
     ((pdyn_param_kind)((int)(rows) + (int)(width) + (int)(vertices) * (int)PDYN_VERTEX_COLUMN))
 
@@ -65,14 +65,14 @@ typedef struct pdyn_table {
 } pdyn_table;
 
 typedef struct pdyn_vertices {
-    int count;
+    int count;        /* chosen points */
     const int *index; /* count, counted from the body's first point, ascending */
 } pdyn_vertices;
 
 typedef struct pdyn_path { /* piecewise linear; before the first and after the last key constant */
-    int count;
-    const double *key; /* count x 4: time in s, ascending, and three numbers in the unit of the
-                          parameter */
+    int count;             /* keys */
+    const double *key;     /* count x 4: time in s, ascending, and three numbers in the unit of the
+                              parameter */
 } pdyn_path;
 
 typedef struct pdyn_other {

@@ -180,8 +180,7 @@ static inline pdyn_status pdyn_step(pdyn_sim *sim, pdyn_step_info *info) {
     return pdyn_step_sized(sim, info, sizeof *info);
 }
 
-/* An iteration of a step, e.g. to study convergence: the observer is called after every
- * local/global iteration. observer NULL: none. */
+/* An iteration of a step, e.g. to study convergence. */
 typedef struct pdyn_iteration {
     int iteration;         /* 0: the starting point of the step */
     int linear_iterations; /* in this iteration */
@@ -190,6 +189,8 @@ typedef struct pdyn_iteration {
     double damping;        /* eps: 0 for "newton", 1 for "projective" */
     const double *x;       /* m, particles x 3: the iterate; valid during the call */
 } pdyn_iteration;
+/* Sets the observer that every later step calls after each local/global iteration. observer NULL:
+ * none. */
 PDYN_API void pdyn_observe(pdyn_sim *sim, void (*observer)(void *user, const pdyn_iteration *),
                            void *user);
 
