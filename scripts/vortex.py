@@ -22,7 +22,8 @@ def vortex(x):
 
 
 def tank(spacing, depth, h, integrator, xsph, kernel):
-    scene = projdyn.Scene(duration=100, threads=1, kernel=kernel, time_step={"fixed": h, "integrator": integrator})
+    scene = projdyn.Scene(duration=100, threads=1, kernel=kernel, frame_interval=0.03,
+                          time_step={"fixed": h, "integrator": integrator})
     scene.add_fluid(box=([0, 0, 0], [SIDE, depth, SIDE]), radius=spacing / 2, name="water",
                     fluid={"sound_speed": 40, "viscosity": xsph})
     scene.add_solid(name="tank", box=([0, 0, 0], [SIDE, 2 * depth, SIDE]), open=["+y"])
@@ -74,7 +75,7 @@ def main():
     elif sys.argv[1:]:
         sys.exit(__doc__)
     print("| d, mm | depth, m | vortex, m/s | h, ms | integrator | XSPH | kernel | viscosity, m²/s | Pa s | particles at rest, m/s |")
-    print("|---" * 11 + "|")
+    print("|---" * 10 + "|")
     for speed, changes in rows:
         setting = {**usual, **changes}
         viscosity, unrest = measure(speed, share, setting)
