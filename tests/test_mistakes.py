@@ -96,6 +96,10 @@ MISTAKES = [
     # legal, but surely not meant: known before the run
     Mistake("water without a fluid constraint", change(DUST), "[unconstrained]"),
     Mistake("cloth without constraints", change(("bodies.1.constraints", [])), "[unconstrained]"),
+    Mistake("cloth that only bends", change(("bodies.1.constraints", [{"type": "bending", "bending_rigidity": 1e-4}])),
+            'only "bending" holds its vertices together'),
+    Mistake("places in the path of a pin", change(("bodies.1.constraints.2", {"type": "pin", "vertices": {"border": True}, "path": [[0, 1, 2, 3]]}), ("duration", 0.02)),
+            'sheet: the path of "pin" starts with (1, 2, 3) m', codes=(0, 0)),
     Mistake("rest density in g/cm^3", change(("bodies.0.particles.rest_density", 1)), "[density]"),
     Mistake("area density in g/m^2", change(("bodies.1.surface.area_density", 200)), "[density]"),
     Mistake("gravity with a wrong sign", change(("gravity", [0, 9.81, 0]), *WATER_ONLY), "tank: gravity of (0, 9.81, 0) m/s^2 points out of its open side +y"),

@@ -53,7 +53,23 @@ static bool is_constrained(const struct scene_body *body) {
     return false;
 }
 
+/* Whether bending alone holds the vertices of a body together. */
+static bool only_bends(const struct scene_body *body) {
+    bool bends = false;
+    for (int k = 0; k < body->constraints; k++) {
+        const pdyn_constraint_type *type = body->constraint[k].type;
+        bool outer = type->flags & (PDYN_ANCHORED | PDYN_LOSSY) || ties_to_other(type);
+        if (!outer && strcmp(type->name, "bending")) return false;
+        bends |= !outer;
+    }
+    return bends;
+}
+
 static void check_constraints(struct pdyn_sim *sim, int b) {
+    if (only_bends(&sim->scene.body[b]))
+        WARN(sim, UNCONSTRAINED, sim->body[b].name,
+             "only \"bending\" holds its vertices together, and it stretches without limit; cloth "
+             "needs {\"type\": \"triangle\"} or {\"type\": \"spring\"}");
     if (is_constrained(&sim->scene.body[b]) || sim->scene.body[b].is_rigid) return;
     if (!body_is_particles(&sim->body[b]))
         WARN(sim, UNCONSTRAINED, sim->body[b].name, "no constraint holds its vertices together");

@@ -1,8 +1,10 @@
 /* Warnings about values outside of the range that occurs in practice: slips of units and signs. */
+#include "base/registry.h"
 #include "extent.h"
 #include "sim.h"
 #include "warn.h"
 
+#include "projdyn/path.h"
 #include "projdyn/vec3.h"
 
 #include <string.h>
@@ -83,11 +85,34 @@ static void check_collapse(struct pdyn_sim *sim, int b, const struct scene_const
              stiffness, pressure);
 }
 
+/* ---- paths of pins --------------------------------------------------------------------------- */
+
+/* Part of the size of a body by which its pins may jump in the first step. */
+static const double max_jump = 0.1;
+
+/* A path that starts far from 0: often places instead of displacements. */
+static void check_path(struct pdyn_sim *sim, int b, const struct scene_constraint *c) {
+    struct box box = extent_of_body(sim, &sim->body[b]);
+    double at[3];
+    for (const pdyn_param *p = c->type->params; p->name; p++) {
+        const pdyn_path *path = param_path(p, c->params);
+        if (!path || strcmp(p->name, "path") || !(c->type->flags & PDYN_ANCHORED)) continue;
+        path_at(path, 0.0, at);
+        if (vec3_length(at) <= max_jump * box_extent(&box)) continue;
+        WARN(
+            sim, UNUSUAL, sim->body[b].name,
+            "the path of \"%s\" starts with (%g, %g, %g) m: its vertices jump there in the first "
+            "step; a path has displacements from the place in the scene, and usually starts with 0",
+            c->type->name, at[0], at[1], at[2]);
+    }
+}
+
 static void check_body(struct pdyn_sim *sim, int b) {
     const struct scene_body *body = &sim->scene.body[b];
     for (int k = 0; k < body->constraints; k++) {
         const struct scene_constraint *c = &body->constraint[k];
         check_parameters(sim, body, c);
+        check_path(sim, b, c);
         if (!strcmp(c->type->name, "tet") && !warn_lightest_fluid(sim)) check_collapse(sim, b, c);
     }
 }
