@@ -20,6 +20,7 @@ from .body import Body
 from .constraint import Constraint, Parameter
 from .errors import Error, InputError, StepError
 from .inlet import Inlet
+from .pictures import Picture, mesh, render, usd
 from .plots import plot, plot_sweep
 from .probe import Probe
 from .rigid import Rigid
@@ -30,6 +31,6 @@ from .writer import Writer
 
 __version__ = version()
 
-__all__ = ["Body", "Constraint", "Error", "Inlet", "InputError", "Load", "Parameter", "Pose", "Probe",
-           "Rigid", "Scene", "Simulation", "Solid", "StepError", "StepInfo", "Warning", "Writer", "load",
-           "plot", "plot_sweep", "version"]
+__all__ = ["Body", "Constraint", "Error", "Inlet", "InputError", "Load", "Parameter", "Picture", "Pose",
+           "Probe", "Rigid", "Scene", "Simulation", "Solid", "StepError", "StepInfo", "Warning", "Writer",
+           "load", "mesh", "plot", "plot_sweep", "render", "usd", "version"]

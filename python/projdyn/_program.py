@@ -1,11 +1,16 @@
 """The program projdyn."""
 from __future__ import annotations
 
+import logging
 import os
 import shutil
+import subprocess
+from typing import Any
 
 from ._installed import installed_file
-from .errors import Error
+from .errors import Error, InputError
+
+_BAD_INPUT = 2
 
 
 def program_path() -> str:
@@ -15,3 +20,20 @@ def program_path() -> str:
     if not path:
         raise Error("the program projdyn is neither in the wheel nor in PATH")
     return path
+
+
+def run_program(command: str, directory: Any, **options: Any) -> None:
+    """Runs a command of the program on the directory of a run. options: --NAME=VALUE, without those that
+    are None. Notes of the program go to the logger "projdyn". InputError, Error: it failed, in its words."""
+    arguments = [f"--{name}={value}" for name, value in options.items() if value is not None]
+    with subprocess.Popen([program_path(), command, *arguments, "--", os.fspath(directory)], text=True,
+                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
+        try:
+            said = process.communicate()[1].strip().replace("projdyn: ", "")
+        except BaseException:  # such as Ctrl-C: the program removes its temporary files
+            process.terminate()
+            raise
+    if process.returncode:
+        raise (InputError if process.returncode == _BAD_INPUT else Error)(said)
+    if said:
+        logging.getLogger("projdyn").warning(said)

@@ -2,13 +2,10 @@
 from __future__ import annotations
 
 import html
-import os
 import pathlib
-import subprocess
 
 from ._paths import Path
-from ._program import program_path
-from .errors import Error
+from ._program import run_program
 
 
 class Replay:
@@ -28,8 +25,5 @@ class Replay:
 
 def replay(directory: Path, *, height: int = 480) -> Replay:
     """Packs the frames of a run into DIRECTORY/replay.html (`projdyn replay`). height: pixels."""
-    done = subprocess.run([program_path(), "replay", os.fspath(directory)], text=True,
-                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    if done.returncode:
-        raise Error(done.stderr.strip())
+    run_program("replay", directory)
     return Replay(pathlib.Path(directory, "replay.html"), height)

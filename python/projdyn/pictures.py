@@ -1,0 +1,76 @@
+"""Pictures, films and files for other programs, of the frames of a run: `projdyn render`, `mesh`, `usd`."""
+from __future__ import annotations
+
+import base64
+import json
+import os
+import pathlib
+from typing import Any, Optional, Union
+
+from ._paths import Path
+from ._program import run_program
+
+
+class Picture:
+    """A picture or a film, which a notebook shows in the output of a cell.
+
+    path: of the file; of numbered pictures the pattern.
+    """
+
+    def __init__(self, path: pathlib.Path) -> None:
+        self.path = path
+
+    def __repr__(self) -> str:
+        return f"<Picture {self.path}>"
+
+    def _repr_png_(self) -> Optional[bytes]:
+        return self.path.read_bytes() if self.path.suffix == ".png" and self.path.exists() else None
+
+    def _repr_html_(self) -> Optional[str]:
+        kind = self.path.suffix[1:]
+        if kind == "png":
+            return None
+        data = base64.b64encode(self.path.read_bytes()).decode()
+        return (f'<img src="data:image/gif;base64,{data}">' if kind == "gif" else
+                f'<video src="data:video/{kind};base64,{data}" controls loop muted autoplay></video>')
+
+
+def _range(frames: Optional[tuple[int, int]]) -> Optional[str]:
+    return frames and f"{frames[0]}:{frames[1]}"
+
+
+def render(directory: Path, file: Path, *, size: tuple[int, int] = (1280, 720),
+           time: Optional[float] = None, frame: Optional[int] = None,
+           frames: Optional[tuple[int, int]] = None, fps: Optional[float] = None,
+           view: Optional[str] = None, camera: Union[None, Path, list[dict[str, Any]]] = None,
+           turntable: Optional[float] = None) -> Picture:
+    """Draws a picture (.png), all frames as a film (.mp4, .webm, .gif) or as numbered pictures
+    ("out_%04d.png") of a run: `projdyn render`. Needs Chromium, and ffmpeg for films.
+
+    size: pixels, even numbers. time: the picture is of the frame nearest to it, s; or frame: its number
+    from 0; otherwise the last one. frames: first and last frame of a film. fps: pictures a second of a
+    film, otherwise as fast as simulated. view: as "fluid=speed&camera=28,20,1". camera: keys over time,
+    as [{"time": 0, "yaw": 0}, {"time": 1, "yaw": 90}], or a file of them. turntable: length of a film
+    that goes once around a frame, s. InputError: an option or the directory is not valid.
+    """
+    keys = json.dumps(camera) if isinstance(camera, list) else camera and os.fspath(camera)
+    run_program("render", directory, output=os.fspath(file), size=f"{size[0]}x{size[1]}", time=time,
+                frame=frame, frames=_range(frames), fps=fps, view=view, camera=keys, turntable=turntable)
+    return Picture(pathlib.Path(file))
+
+
+def mesh(directory: Path, *, format: str = "vtk", frames: Optional[tuple[int, int]] = None,
+         threads: Optional[int] = None) -> pathlib.Path:
+    """Writes triangle meshes of the surface of each fluid, and of bodies with "cell", to the folder
+    DIRECTORY/mesh, and returns it: `projdyn mesh`. format: "vtk", "ply" or "obj". frames: first and last.
+    threads: one per core without it."""
+    run_program("mesh", directory, format=format, frames=_range(frames), threads=threads)
+    return pathlib.Path(directory, "mesh")
+
+
+def usd(directory: Path, file: Optional[Path] = None) -> pathlib.Path:
+    """Writes the frames of a run as one file of USD, and returns its path: `projdyn usd`. file: .usda or
+    .usd, DIRECTORY/run.usda without it."""
+    path = pathlib.Path(directory, "run.usda") if file is None else pathlib.Path(file)
+    run_program("usd", directory, output=path)
+    return path
