@@ -22,8 +22,8 @@ static const struct encoder {
     [FILM_WEBM] = {".webm", "webm", {"-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0"}},
     [FILM_GIF] = {".gif",
                   "gif",
-                  {"-vf", "split[a][b];[a]palettegen=stats_mode=diff[p];"
-                          "[b][p]paletteuse=dither=sierra2_4a"}},
+                  {"-vf", "split[a][b];[a]palettegen=stats_mode=full[p];"
+                          "[b][p]paletteuse=dither=none"}},
 };
 
 bool film_find_format(const char *path, enum film_format *format) {
