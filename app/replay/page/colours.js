@@ -43,10 +43,13 @@ function liquidOf(colour) {
   return { absorbed: colour.map((c) => -1.2 * Math.log(Math.max(c, 0.02))), scattered: colour.map((c) => 0.5 * c) };
 }
 
-/* The uniforms `absorbed` and `scattered` of the shaders: three liquids. parts: the fluids */
+/* The uniforms `absorbed`, `scattered` and `isWater` of the shaders: three liquids. parts: the fluids */
 function liquidLooks(parts) {
   const looks = liquids.map((look, k) => parts[k]?.color ? liquidOf(ownColour(parts[k])) : look);
-  return { absorbed: looks.flatMap((look) => look.absorbed), scattered: looks.flatMap((look) => look.scattered) };
+  return {
+    absorbed: looks.flatMap((look) => look.absorbed), scattered: looks.flatMap((look) => look.scattered),
+    isWater: looks[0] === liquids[0] ? 1 : 0,
+  };
 }
 
 /* 256 RGBA texels, interpolated between the equally spaced colours of a map. */

@@ -106,6 +106,7 @@ void main() {
 in vec2 uv;
 uniform sampler2D cover, thick, scene, sceneDepth, map;
 uniform float distance, extent, radius, clear, mapped; /* clear: length, m, over which water gets its colour */
+uniform float isWater; /* 1: the first liquid is water, without a colour of its own */
 uniform float exact; /* 1: cover and thick are those of meshes */
 out vec4 result;
 /* Mean slope of the points around, one particle radius away; how even the water is there, 0...1: less where slopes
@@ -142,6 +143,12 @@ vec2 refracted(vec2 slope, float z, float gap, vec2 scale) {
   float deep = z - eyeDepth(texture(sceneDepth, there).r), far = gap + 4.0 * radius;
   return mix(uv, there, smoothstep(0.0, 4.0 * radius, deep) * (1.0 - smoothstep(far, 2.0 * far, deep)));
 }
+/* Share of light that passes water before something in a vivid colour: all colours alike, otherwise red under water, which
+ * absorbs red, would be black. */
+vec3 clearPass(vec3 pass, vec3 behind) {
+  float low = min(behind.r, min(behind.g, behind.b)), high = max(behind.r, max(behind.g, behind.b));
+  return mix(pass, vec3(sqrt(max(pass.r, max(pass.g, pass.b)))), smoothstep(0.5, 0.9, 1.0 - low / max(high, 1e-3)));
+}
 /* Light from behind that passes the liquid, and light that it scatters. kind: its number, or one between two. Drops and
  * the edges of a tank would be clear; from a particle's radius on, meshes have the colour of a thicker layer. */
 vec3 bodyColour(vec2 there, float thickness, float kind, vec3 light) {
@@ -150,7 +157,9 @@ vec3 bodyColour(vec2 there, float thickness, float kind, vec3 light) {
   float more = exact > 0.0 ? 0.35 * clear * (1.0 - exp(-thickness / radius)) : 0.0;
   vec3 x = (thickness + more) / clear * mix(absorbed[k], absorbed[k + 1], part), behind = texture(scene, there).rgb;
   vec3 pass = 1.0 / (1.0 + x * (1.0 + x * (0.5 + x / 6.0))); /* about exp(-x) */
-  return behind * behind * pass + mix(scattered[k], scattered[k + 1], part) * light * (1.0 - pass);
+  behind *= behind;
+  pass = mix(pass, clearPass(pass, behind), isWater * max(1.0 - kind, 0.0));
+  return behind * pass + mix(scattered[k], scattered[k + 1], part) * light * (1.0 - pass);
 }
 /* What a ray from the eye-space point q meets among what is in the window, or the sky: screen-space reflection in steps
  * that grow. A step that ends behind something by more than its length has passed behind it. */
