@@ -75,7 +75,8 @@ void main() {
   float bell = 1.0 - dot(d, d);
   if (bell < 0.0 || centre.z < eyeDepth(texture(sceneDepth, uv).r)) discard;
   float front = texture(depths, uv).r, volume = 8.0 * radius * radius * radius;
-  float weight = bell * power4(max(0.0, 1.0 - 0.25 * max(0.0, front - centre.z) / radius));
+  float deep = front == 0.0 ? 0.0 : max(0.0, front - centre.z); /* 0: no ball; finer pixels have one */
+  float weight = bell * power4(max(0.0, 1.0 - 0.25 * deep / radius));
   result = vec4(parts * volume / (0.25 * 3.14159 * r * r) * bell * bell * 0.75, weight * (mapped > 0.0 ? shade : liquid), weight, 0);
 }`,
   normals: `
