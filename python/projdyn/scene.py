@@ -109,16 +109,16 @@ class Scene:
     # ---- bodies and solids ----------------------------------------------------------------------
 
     def add_cloth(self, vertices: Any = None, triangles: Any = None, *, area_density: float,
-                  name: Optional[str] = None, velocity: Any = None, grid: Any = None,
-                  mesh: Optional[Path] = None, scale: Any = None, rotate: Any = None,
-                  translate: Any = None, fluid_friction: Optional[float] = None,
+                  name: Optional[str] = None, velocity: Any = None, color: Optional[str] = None,
+                  grid: Any = None, mesh: Optional[Path] = None, scale: Any = None,
+                  rotate: Any = None, translate: Any = None, fluid_friction: Optional[float] = None,
                   permeability: Optional[float] = None, **constraints: Constraints) -> str:
         """Adds a sheet and returns its name.
 
         vertices: n x 3, m, and triangles: m x 3, indices from 0; or grid={"size": ..,
         "vertices": ..}; or mesh, the path of a file. area_density: kg/m^2. velocity: m/s, at the
-        start. constraints: a dictionary of parameters by type, or a list of these, for example
-        spring={"stretching_stiffness": 500}, pin=[{...}, {...}].
+        start. color: in pictures, as "#3070c0". constraints: a dictionary of parameters by type, or a
+        list of these, for example spring={"stretching_stiffness": 500}, pin=[{...}, {...}].
         """
         name = self._name(name, "bodies", "body")
         arrays = None if vertices is None else _mesh(name, vertices, triangles)
@@ -126,11 +126,12 @@ class Scene:
         surface = _given(grid=grid, mesh=mesh, scale=scale, rotate=rotate, translate=translate,
                          area_density=area_density, fluid_friction=fluid_friction,
                          permeability=permeability)
-        return self._add_body(name, "surface", surface, velocity, constraints, arrays)
+        return self._add_body(name, "surface", surface, _given(velocity=velocity, color=color),
+                              constraints, arrays)
 
     def add_soft(self, vertices: Any = None, tets: Any = None, *, density: float,
-                 name: Optional[str] = None, velocity: Any = None, grid: Any = None,
-                 triangles: Any = None, mesh: Optional[Path] = None, cell: Optional[float] = None,
+                 name: Optional[str] = None, velocity: Any = None, color: Optional[str] = None,
+                 grid: Any = None, triangles: Any = None, mesh: Optional[Path] = None, cell: Optional[float] = None,
                  scale: Any = None, rotate: Any = None, translate: Any = None, fluid_friction: Optional[float] = None,
                  **constraints: Constraints) -> str:
         """Adds a soft solid and returns its name.
@@ -149,11 +150,13 @@ class Scene:
         mesh = arrays.file if arrays else mesh
         volume = _given(grid=grid, mesh=mesh, cell=cell, scale=scale, rotate=rotate, translate=translate,
                         density=density, fluid_friction=fluid_friction)
-        return self._add_body(name, "volume", volume, velocity, constraints, arrays)
+        return self._add_body(name, "volume", volume, _given(velocity=velocity, color=color),
+                              constraints, arrays)
 
     def add_rigid(self, vertices: Any = None, triangles: Any = None, *,
                   density: Optional[float] = None, mass: Optional[float] = None,
-                  name: Optional[str] = None, velocity: Any = None, angular_velocity: Any = None,
+                  name: Optional[str] = None, velocity: Any = None, color: Optional[str] = None,
+                  angular_velocity: Any = None,
                   box: Optional[Box] = None, sphere: Any = None, capsule: Any = None,
                   mesh: Optional[Path] = None, cell: Optional[float] = None, scale: Any = None,
                   rotate: Any = None, translate: Any = None,
@@ -171,11 +174,12 @@ class Scene:
         rigid = _given(box=None if box is None else _box(box), sphere=sphere, capsule=capsule,
                        mesh=mesh, cell=cell, scale=scale, rotate=rotate, translate=translate,
                        density=density, mass=mass, angular_velocity=angular_velocity, fluid_friction=fluid_friction)
-        return self._add_body(name, "rigid", rigid, velocity, constraints, arrays)
+        return self._add_body(name, "rigid", rigid, _given(velocity=velocity, color=color),
+                              constraints, arrays)
 
     def add_fluid(self, positions: Any = None, *, radius: float, velocities: Any = None,
                   box: Optional[Box] = None, fill: Sequence[dict[str, Any]] = (),
-                  name: Optional[str] = None, velocity: Any = None,
+                  name: Optional[str] = None, velocity: Any = None, color: Optional[str] = None,
                   rest_density: Optional[float] = None, inlets: Any = None,
                   budget: Optional[int] = None, overlap: Optional[str] = None,
                   **constraints: Constraints) -> str:
@@ -194,7 +198,8 @@ class Scene:
                 *([{"box": _box(box)}] if box is not None else [])]
         particles = _given(radius=radius, rest_density=rest_density, fill=fill or None,
                            inlets=inlets, budget=budget, overlap=overlap)
-        return self._add_body(name, "particles", particles, velocity, constraints, arrays)
+        return self._add_body(name, "particles", particles, _given(velocity=velocity, color=color),
+                              constraints, arrays)
 
     def add_solid(self, vertices: Any = None, triangles: Any = None, *,
                   name: Optional[str] = None, box: Optional[Box] = None,
@@ -224,12 +229,11 @@ class Scene:
     def _set(self, path: str, value: str) -> None:
         self._handle.call(lib.pdyn_scene_set, path.encode(), b"%s", value.encode())
 
-    def _add_body(self, name: str, form: str, shape: dict[str, Any], velocity: Any,
+    def _add_body(self, name: str, form: str, shape: dict[str, Any], others: dict[str, Any],
                   constraints: dict[str, Constraints], arrays: Optional[_Arrays]) -> str:
         parts = [{"type": kind, **part} for kind, given in constraints.items()
                  for part in _parts(kind, given)]
-        self._append("bodies", _given(name=name, velocity=velocity, **{form: shape},
-                                      constraints=parts), arrays)
+        self._append("bodies", _given(name=name, **others, **{form: shape}, constraints=parts), arrays)
         return name
 
     def _append(self, key: str, entry: dict[str, Any], arrays: Optional[_Arrays]) -> None:

@@ -83,6 +83,15 @@ class Scenes(unittest.TestCase):
                                       [[7, 0, 0], [8, 0, 0], [7, 1, 0], [7, 0, 2], [8, 1, 2]])
         np.testing.assert_array_equal(sim.bodies["stone"].v, np.tile([0, 1, 0], (4, 1)))
 
+    def test_colours(self):
+        scene = projdyn.Scene(threads=1)
+        scene.add_cloth(grid={"size": [1, 1], "vertices": [2, 2]}, area_density=1, color="#ff0000")
+        scene.add_soft(grid={"size": [1, 1, 1], "cells": [1, 1, 1]}, density=500, color="#00ff00")
+        scene.add_rigid(box=([7, 0, 0], [8, 1, 2]), density=500, color="#0000ff")
+        scene.add_fluid([[5, 0, 0]], radius=0.1, color="#ffffff")
+        self.assertEqual([body["color"] for body in scene.to_dict()["bodies"]],
+                         ["#ff0000", "#00ff00", "#0000ff", "#ffffff"])
+
     def test_names_are_given(self):
         vertices, triangles = square()
         scene = projdyn.Scene(threads=1)
