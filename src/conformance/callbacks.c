@@ -182,9 +182,8 @@ static void check_lasting_weight(struct check *check, struct guarded *a, const s
     weighs_otherwise(a, b, weight);
     if (changes)
         fault(check,
-              "weight depends on %s, but without `begin` it is not called in every step: add one, "
-              "even "
-              "an empty one",
+              "weight depends on %s, but without `begin` it is not called in every step: add "
+              "one, even an empty one",
               changes);
 }
 
