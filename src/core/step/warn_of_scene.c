@@ -66,11 +66,12 @@ static bool only_bends(const struct scene_body *body) {
 }
 
 static void check_constraints(struct pdyn_sim *sim, int b) {
+    if (sim->scene.body[b].is_rigid) return;
     if (only_bends(&sim->scene.body[b]))
         WARN(sim, UNCONSTRAINED, sim->body[b].name,
              "only \"bending\" holds its vertices together, and it stretches without limit; cloth "
              "needs {\"type\": \"triangle\"} or {\"type\": \"spring\"}");
-    if (is_constrained(&sim->scene.body[b]) || sim->scene.body[b].is_rigid) return;
+    if (is_constrained(&sim->scene.body[b])) return;
     if (!body_is_particles(&sim->body[b]))
         WARN(sim, UNCONSTRAINED, sim->body[b].name, "no constraint holds its vertices together");
     else
