@@ -90,20 +90,25 @@ static void check_collapse(struct pdyn_sim *sim, int b, const struct scene_const
 /* Part of the size of a body by which its pins may jump in the first step. */
 static const double max_jump = 0.1;
 
-/* A path that starts far from 0: often places instead of displacements. */
-static void check_path(struct pdyn_sim *sim, int b, const struct scene_constraint *c) {
-    struct box box = extent_of_body(sim, &sim->body[b]);
+static void check_start(struct pdyn_sim *sim, int b, const char *type, const pdyn_path *path) {
     double at[3];
-    for (const pdyn_param *p = c->type->params; p->name; p++) {
-        const pdyn_path *path = param_path(p, c->params);
-        if (!path || strcmp(p->name, "path") || !(c->type->flags & PDYN_ANCHORED)) continue;
-        path_at(path, 0.0, at);
-        if (vec3_length(at) <= max_jump * box_extent(&box)) continue;
+    path_at(path, 0.0, at);
+    if (vec3_length(at) == 0.0) return;
+    struct box box = extent_of_body(sim, &sim->body[b]);
+    if (vec3_length(at) > max_jump * box_extent(&box))
         WARN(
             sim, UNUSUAL, sim->body[b].name,
             "the path of \"%s\" starts with (%g, %g, %g) m: its vertices jump there in the first "
             "step; a path has displacements from the place in the scene, and usually starts with 0",
-            c->type->name, at[0], at[1], at[2]);
+            type, at[0], at[1], at[2]);
+}
+
+/* Paths that start far from 0: often places instead of displacements. */
+static void check_path(struct pdyn_sim *sim, int b, const struct scene_constraint *c) {
+    if (!(c->type->flags & PDYN_ANCHORED)) return;
+    for (const pdyn_param *p = c->type->params; p->name; p++) {
+        const pdyn_path *path = param_path(p, c->params);
+        if (path && !strcmp(p->name, "path")) check_start(sim, b, c->type->name, path);
     }
 }
 
