@@ -188,15 +188,15 @@ void crossings_warn(struct pdyn_sim *sim) {
         if (!count) continue;
         struct warning *w = warnings_count(&sim->warnings, WARNING_LEAK, c->swept.surface[s].name,
                                            sim->time, 0, (double)count);
-        if (w->count == count) continue;
+        if (w->count >= count) continue;
         w->count = count;
         long most;
         const pdyn_body *body = passer_of(sim, s, &most);
         const char *what = body_is_particles(body) ? (count == 1 ? "particle" : "particles")
                                                    : (count == 1 ? "vertex" : "vertices");
-        warnings_say(sim->context, w, "%ld %s%s of \"%s\" passed through this %s", count, what,
-                     most < count ? ", most" : "", body->name,
-                     swept_is_solid(&c->swept, s) ? "solid" : "body");
+        warnings_say(sim->context, w, "%ld %s%s of \"%s\" passed through this %s by %.3g s", count,
+                     what, most < count ? ", most" : "", body->name,
+                     swept_is_solid(&c->swept, s) ? "solid" : "body", sim->time);
     }
 }
 

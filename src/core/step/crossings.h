@@ -21,7 +21,8 @@ void crossings_step(struct pdyn_sim *sim, double h);
  * left the scene. */
 long crossings_total(const struct pdyn_sim *sim);
 
-/* Raises a warning for every surface that particles are beyond. */
+/* Raises a warning for every surface that particles are beyond. It keeps the largest number of
+ * particles of the run, and its time. */
 void crossings_warn(struct pdyn_sim *sim);
 
 /* Particles were placed anew: they are not beyond any surface. */
