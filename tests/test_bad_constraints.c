@@ -127,6 +127,13 @@ static const struct bad_scene bad_constraints[] = {
      "has a surface, found a body of particles"},
     {ATTACHED("'boundary'"), "scene.json:4:38: bodies[1].constraints[0].to: unknown body "
                              "\"boundary\"; known: sheet"},
+    {"{'duration': 1, 'solids': [{'name': 'hook', 'box': " BOX
+     "}], 'bodies': [{'surface': {'grid': "
+     "{'size': [1, 1], 'vertices': [2, 2]}, 'area_density': 1}, 'constraints': [\n{'type': "
+     "'attachment', 'to': 'hook', 'stiffness': 1, 'vertices': {'all': true}}]}]}",
+     "scene.json:2:30: bodies[0].constraints[0].to: expected another body that has a surface, "
+     "found a solid; a \"pin\" holds points at a solid, and moves them by \"path\" and \"turn\" as "
+     "its \"motion\" does"},
     {ATTACHED("3"), "scene.json:4:38: bodies[1].constraints[0].to: expected the name of another "
                     "body, found 3"},
     {CLOTH("{'type': 'attachment', 'stiffness': 1, 'vertices': {'all': true}}"),

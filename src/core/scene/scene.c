@@ -32,6 +32,11 @@ static pdyn_status check_other(const struct reader *r, const struct json_at *at,
                              b == self ? "this body" : "a body of particles");
         if (fits && count < READER_NAMES) names[count++] = body->name;
     }
+    for (int k = 0; k < r->scene->solids; k++)
+        if (!strcmp(r->scene->solid[k].name, name))
+            return json_fail(at, "expected another body that has a surface, found a solid; a "
+                                 "\"pin\" holds points at a solid, and moves them by \"path\" and "
+                                 "\"turn\" as its \"motion\" does");
     return reader_fail_word(at, "body", names, count);
 }
 
@@ -104,7 +109,7 @@ static pdyn_status read_bodies(struct reader *r, const struct json_at *array) {
     pdyn_status status = reader_array(r, array, "an array of bodies", scene_read_body,
                                       sizeof *scene->body, &scene->body, &scene->bodies);
     if (status == PDYN_OK && !scene->bodies) status = json_expected(array, "at least one body");
-    return status == PDYN_OK ? reader_each(r, array, check_others) : status;
+    return status;
 }
 
 static pdyn_status read_solids(struct reader *r, const struct json_at *array) {
@@ -194,6 +199,7 @@ static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
     if (status == PDYN_OK) status = read_contact(r, &contact);
     if (status == PDYN_OK) status = read_bodies(r, &bodies);
     if (status == PDYN_OK) status = read_solids(r, &solids);
+    if (status == PDYN_OK) status = reader_each(r, &bodies, check_others);
     if (status == PDYN_OK) status = read_outlets(r, &outlets);
     if (status == PDYN_OK) resolve_contact(r->scene);
     if (status == PDYN_OK) status = read_probes(r, &probes);
