@@ -229,7 +229,7 @@ MISTAKES = [
     Mistake("unknown key", change(("gravitiy", [0, 0, 0])), 'did you mean "gravity"', codes=(2, 2)),
     Mistake("frames per second", change(("fps", 24)), 'unknown key "fps"; did you mean "frame_interval"?', codes=(2, 2)),
     Mistake("a step called dt", change(("time_step.dt", 0.01)), 'unknown key "dt"; did you mean "fixed"?', codes=(2, 2)),
-    Mistake("unknown constraint", change(("bodies.0.constraints.0.type", "fluit")), 'did you mean "fluid"', codes=(2, 2)),
+    Mistake("unknown constraint", change(("bodies.0.constraints.0.type", "fluit")), 'did you mean "fluid"', "those of a plug-in need --plugin FILE.so", codes=(2, 2)),
     Mistake("unknown solver", change(("solver", {"type": "cgg"})), 'did you mean "cg"', codes=(2, 2)),
     Mistake("pressures without a fluid", change(("solver", {"type": "dual"}), ("bodies.0", None)),
             'does not fit this scene: it has no fluid, whose pressures would be the unknowns; expected another one, or "auto"', codes=(2, 2)),

@@ -24,12 +24,20 @@ pdyn_status reader_copy_text(pdyn_context *context, const char *text, char **out
     return PDYN_OK;
 }
 
+/* Plug-ins have further constraints and solvers. */
+static const char *plugin_hint(const struct json_at *at, const char *what) {
+    bool extended = !strcmp(what, "constraint") || !strcmp(what, "solver");
+    return extended && at->file->context->plugins == 1 /* the built-in types */
+               ? "; those of a plug-in need --plugin FILE.so, or \"plugins\" in the scene"
+               : "";
+}
+
 pdyn_status reader_fail_word(const struct json_at *at, const char *what, const char *const *names,
                              int count) {
     char word[READER_NAMES], hint[HINT] = "";
     text_clip(word, sizeof word, json_string_value(at->value));
     text_hint(hint, sizeof hint, word, names, count);
-    return json_fail(at, "unknown %s \"%s\"%s", what, word, hint);
+    return json_fail(at, "unknown %s \"%s\"%s%s", what, word, hint, plugin_hint(at, what));
 }
 
 pdyn_status reader_choice(const struct json_at *at, const char *what, const char *const *names,
