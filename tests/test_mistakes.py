@@ -132,7 +132,8 @@ MISTAKES = [
     Mistake("a solid mesh in millimetres", change(("solids.0", HUGE), ("bodies.0", None)), "scan: it is 1e+03 m long"),
     Mistake("a rigid ball in very thick contact", change(("bodies.0", MARBLE), ("bodies.1", None), ("contact.thickness", 0.04)),
             "times its mean edge length: contact of so fine a mesh takes long [contact-thickness]"),
-    Mistake("contact thickness above the edge length", change(("contact.thickness", 0.1)), "[contact-thickness]"),
+    Mistake("contact thickness above the edge length", change(("contact.thickness", 0.1)),
+            "between many neighbours, steps take long, and the surface cannot fold [contact-thickness]"),
     Mistake("a step that counts as solved too early", change(FREE, ("solver", {"tolerance": 2})), "[tolerance]"),
     Mistake("free cloth that is too light for the water", change(FREE, ("bodies.1.surface.area_density", 0.05)), "[too-light]"),
     Mistake("a rigid plate that hardly exceeds its water", change(("bodies.1", None), ("bodies.1", {

@@ -122,7 +122,7 @@ static void check_thickness(struct pdyn_sim *sim, int b) {
     else
         WARN(sim, THICKNESS, body->name,
              "the contact thickness of %.3g m is above its mean edge length of %.3g m: contact "
-             "acts between neighbours, and the surface cannot fold",
+             "acts between many neighbours, steps take long, and the surface cannot fold",
              thickness, edge);
 }
 
