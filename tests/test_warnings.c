@@ -441,6 +441,27 @@ static void test_pressed(void **state) {
     }
 }
 
+/* Pins move a sheet into a plane: the warning is about the pins. */
+static void test_pinned_flat(void **state) {
+    (void)state;
+    static const char scene[] =
+        "{'duration': 1, 'time_step': {'fixed': 0.005}, 'contact': {'thickness': 0.005}, "
+        "'bodies': [{'name': 'sheet', 'surface': {'grid': {'size': [0.2, 0.2], 'vertices': [5, "
+        "5]}, 'area_density': 0.2, 'translate': [0, 0.01, 0]}, 'constraints': [{'type': 'spring', "
+        "'stretching_stiffness': 500}, {'type': 'pin', 'vertices': {'border': true}, 'path': [[0, "
+        "0, 0, 0], [0.1, 0, -0.02, 0]]}]}], 'solids': [{'plane': {'center': [0, 0, 0], 'normal': "
+        "[0, 1, 0], 'size': 1}}]}";
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, scene);
+    for (int n = 0; n < 25; n++) test_step(context, sim);
+    pdyn_warning w = find_warning(sim, "contact-stiffness", "sheet");
+    assert_true(w.count > 0);
+    assert_non_null(strstr(w.text, "pins"));
+    assert_null(find_warning(sim, "contact-stiffness", "").code);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* ---- constraints without elements ------------------------------------------------------------ */
 
 static int no_elements(const void *par, const pdyn_body *body) {
@@ -575,29 +596,18 @@ static void test_weightless(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sheet),
-        cmocka_unit_test(test_border),
-        cmocka_unit_test(test_return),
-        cmocka_unit_test(test_two_sheets),
-        cmocka_unit_test(test_long_name),
-        cmocka_unit_test(test_solids),
-        cmocka_unit_test(test_cloth),
-        cmocka_unit_test(test_overlap),
-        cmocka_unit_test(test_stretched),
-        cmocka_unit_test(test_touching),
-        cmocka_unit_test(test_bat),
-        cmocka_unit_test(test_fast),
-        cmocka_unit_test(test_rounding),
-        cmocka_unit_test(test_gain_after_loss),
-        cmocka_unit_test(test_saved),
-        cmocka_unit_test(test_fallen),
-        cmocka_unit_test(test_ball),
-        cmocka_unit_test(test_press),
-        cmocka_unit_test(test_pressed),
-        cmocka_unit_test(test_gaps),
-        cmocka_unit_test(test_without_elements),
-        cmocka_unit_test(test_no_stiffness),
-        cmocka_unit_test(test_weightless),
+        cmocka_unit_test(test_sheet),        cmocka_unit_test(test_border),
+        cmocka_unit_test(test_return),       cmocka_unit_test(test_two_sheets),
+        cmocka_unit_test(test_long_name),    cmocka_unit_test(test_solids),
+        cmocka_unit_test(test_cloth),        cmocka_unit_test(test_overlap),
+        cmocka_unit_test(test_stretched),    cmocka_unit_test(test_touching),
+        cmocka_unit_test(test_bat),          cmocka_unit_test(test_fast),
+        cmocka_unit_test(test_rounding),     cmocka_unit_test(test_gain_after_loss),
+        cmocka_unit_test(test_saved),        cmocka_unit_test(test_fallen),
+        cmocka_unit_test(test_ball),         cmocka_unit_test(test_press),
+        cmocka_unit_test(test_pressed),      cmocka_unit_test(test_pinned_flat),
+        cmocka_unit_test(test_gaps),         cmocka_unit_test(test_without_elements),
+        cmocka_unit_test(test_no_stiffness), cmocka_unit_test(test_weightless),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);

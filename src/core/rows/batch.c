@@ -163,6 +163,12 @@ bool batch_pins(const struct batch *b, const pdyn_body *body) {
     return b->type->flags & PDYN_REACTION && b->view.body == body && !b->off;
 }
 
+bool batch_pins_particle(const struct batch *b, int particle) {
+    int i = particle - b->touch_first;
+    return b->type->flags & PDYN_REACTION && !b->off && i >= 0 && i < b->touch_count &&
+           b->touch_start[i + 1] > b->touch_start[i];
+}
+
 bool batch_has_impacts(const struct batch *b) { return b->op || (b->type->flags & PDYN_ONE_SIDED); }
 
 void batch_find_acceleration(struct batch *b, const struct velocity_change *change) {

@@ -159,6 +159,7 @@ struct velocity_change {  /* by a step of effective length h, s */
 bool batch_has_impacts(const struct batch *batch);
 /* Whether a batch holds a body by pins. */
 bool batch_pins(const struct batch *batch, const pdyn_body *body);
+bool batch_pins_particle(const struct batch *batch, int particle);
 
 /* change->scratch = minus the acceleration by all forces of the batch at the last local step: the
  * gradient of its energy over the masses. Ignores change->yield. */

@@ -101,18 +101,50 @@ static double least_distance(const pdyn_contacts *contacts) {
     return least;
 }
 
+static bool is_pinned(const struct pdyn_sim *sim, int particle) {
+    for (int k = 0; k < sim->objective.batches; k++)
+        if (batch_pins_particle(sim->objective.batch[k], particle)) return true;
+    return false;
+}
+
+/* The body of a contact that is pressed flat between pins and a solid, or between pins; NULL: none.
+ * No stiffness of contact moves either side. */
+static const pdyn_body *find_pinned_flat(const struct pdyn_sim *sim) {
+    const pdyn_contacts *contacts = &sim->objective.contact->current.view;
+    for (int k = 0; k < contacts->count; k++) {
+        const pdyn_contact *c = &contacts->contact[k];
+        bool flat = c->distance < pressed_flat * c->thickness;
+        int pinned = -1;
+        for (int j = 0; j < 4 && flat; j++) {
+            if (c->coefficient[j] == 0.0) continue;
+            flat = is_pinned(sim, c->particle[j]), pinned = c->particle[j];
+        }
+        if (flat && pinned >= 0) return &sim->body[objective_body_of(&sim->objective, pinned)];
+    }
+    return NULL;
+}
+
 /* A solid that waits presses with a force that no stiffness carries. */
 static void warn_pressed(struct pdyn_sim *sim, double residual) {
     const struct contact *contact = sim->objective.contact;
     if (!contact || contact->lagging || residual <= sim->scene.settings.tolerance) return;
     double least = least_distance(&contact->current.view);
     if (least >= pressed_flat) return;
-    struct warning *w =
-        warnings_count(&sim->warnings, WARNING_CONTACT_STIFFNESS, "", sim->time, 1, 1.0 / least);
-    warnings_say(sim->context, w,
-                 "%ld of %ld steps are unsolved with surfaces as close as %.2g of the contact "
-                 "thickness: \"contact.stiffness\" of %g N/m is too small for what presses them",
-                 w->count, sim->steps, 1.0 / w->worst, contact->settings->stiffness);
+    const pdyn_body *pinned = find_pinned_flat(sim);
+    struct warning *w = warnings_count(&sim->warnings, WARNING_CONTACT_STIFFNESS,
+                                       pinned ? pinned->name : "", sim->time, 1, 1.0 / least);
+    if (pinned)
+        warnings_say(sim->context, w,
+                     "%ld of %ld steps are unsolved with pins that hold points as close as %.2g of "
+                     "the contact thickness to a surface that does not yield: place or move them "
+                     "at least a thickness away",
+                     w->count, sim->steps, 1.0 / w->worst);
+    else
+        warnings_say(
+            sim->context, w,
+            "%ld of %ld steps are unsolved with surfaces as close as %.2g of the contact "
+            "thickness: \"contact.stiffness\" of %g N/m is too small for what presses them",
+            w->count, sim->steps, 1.0 / w->worst, contact->settings->stiffness);
 }
 
 /* ---- solids that wait ------------------------------------------------------------------------ */
