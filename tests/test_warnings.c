@@ -2,6 +2,8 @@
 #include "step/crossings.h"
 #include "support.h"
 
+#include "projdyn/control.h"
+
 #include <string.h>
 
 /* A block of 6 x 6 x 6 particles without constraints; velocity: "x, y, z". */
@@ -274,6 +276,30 @@ static void test_gain_after_loss(void **state) {
     assert_int_equal(find_warning(sim, "energy", "").count, 1);
     pdyn_free(sim);
     pdyn_destroy(context);
+}
+
+/* Pins let a sheet go, which falls without a warning. A gain after that is warned about; after a
+ * constraint that begins, no energy is known to be too much. */
+static void test_gain_after_release(void **state) {
+    (void)state;
+    for (int begins = 0; begins < 2; begins++) {
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim =
+            test_load(context, SCENE(STEPS,
+                                     GRID_SHEET("'name': 'sheet', ", "0.2, 0.2", "9, 9",
+                                                "'area_density': 0.2",
+                                                SPRINGS("1e3") ", {'type': 'pin', 'until': 0.02, "
+                                                               "'vertices': {'border': true}}"),
+                                     ""));
+        for (int n = 0; n < 20; n++) test_step(context, sim);
+        assert_false(pdyn_is_enabled(sim, 1));
+        assert_null(find_warning(sim, "energy", "").code);
+        if (begins) assert_int_equal(pdyn_enable(sim, 1, true), PDYN_OK);
+        give_energy(sim, 1, 1e3);
+        assert_int_equal(find_warning(sim, "energy", "").count, !begins);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
 }
 
 /* ---- the list -------------------------------------------------------------------------------- */
@@ -596,18 +622,31 @@ static void test_weightless(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sheet),        cmocka_unit_test(test_border),
-        cmocka_unit_test(test_return),       cmocka_unit_test(test_two_sheets),
-        cmocka_unit_test(test_long_name),    cmocka_unit_test(test_solids),
-        cmocka_unit_test(test_cloth),        cmocka_unit_test(test_overlap),
-        cmocka_unit_test(test_stretched),    cmocka_unit_test(test_touching),
-        cmocka_unit_test(test_bat),          cmocka_unit_test(test_fast),
-        cmocka_unit_test(test_rounding),     cmocka_unit_test(test_gain_after_loss),
-        cmocka_unit_test(test_saved),        cmocka_unit_test(test_fallen),
-        cmocka_unit_test(test_ball),         cmocka_unit_test(test_press),
-        cmocka_unit_test(test_pressed),      cmocka_unit_test(test_pinned_flat),
-        cmocka_unit_test(test_gaps),         cmocka_unit_test(test_without_elements),
-        cmocka_unit_test(test_no_stiffness), cmocka_unit_test(test_weightless),
+        cmocka_unit_test(test_sheet),
+        cmocka_unit_test(test_border),
+        cmocka_unit_test(test_return),
+        cmocka_unit_test(test_two_sheets),
+        cmocka_unit_test(test_long_name),
+        cmocka_unit_test(test_solids),
+        cmocka_unit_test(test_cloth),
+        cmocka_unit_test(test_overlap),
+        cmocka_unit_test(test_stretched),
+        cmocka_unit_test(test_touching),
+        cmocka_unit_test(test_bat),
+        cmocka_unit_test(test_fast),
+        cmocka_unit_test(test_rounding),
+        cmocka_unit_test(test_gain_after_loss),
+        cmocka_unit_test(test_gain_after_release),
+        cmocka_unit_test(test_saved),
+        cmocka_unit_test(test_fallen),
+        cmocka_unit_test(test_ball),
+        cmocka_unit_test(test_press),
+        cmocka_unit_test(test_pressed),
+        cmocka_unit_test(test_pinned_flat),
+        cmocka_unit_test(test_gaps),
+        cmocka_unit_test(test_without_elements),
+        cmocka_unit_test(test_no_stiffness),
+        cmocka_unit_test(test_weightless),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);

@@ -203,7 +203,8 @@ pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled) {
                             "switched off",
                             b->type->name, b->view.body->name);
     switch_batches(sim, constraint, !enabled);
-    sim->control.driven = true;
+    sim->control.driven |= enabled; /* a constraint that ends takes its energy, which is not
+                                       negative, out of the scene */
     return refresh(sim, constraint);
 }
 
