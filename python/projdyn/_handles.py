@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import logging
+import operator
 import threading
 import weakref
 from ctypes import byref, c_void_p, sizeof
@@ -75,8 +76,10 @@ class Handle:
 
 def new_context(threads: int, allow_plugins: bool) -> Handle:
     """A context: threads and error text of a scene and its simulations."""
-    if not isinstance(threads, int):
-        raise wrong_type("threads", "a whole number", threads)
+    try:
+        threads = operator.index(threads)  # of numpy, too
+    except TypeError:
+        raise wrong_type("threads", "a whole number", threads) from None
     options, out = Options(), c_void_p()
     lib.pdyn_default_options_sized(byref(options), sizeof(options))
     options.threads, options.log, options.refuse_scene_plugins = threads, _log, not allow_plugins

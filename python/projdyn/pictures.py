@@ -2,11 +2,11 @@
 from __future__ import annotations
 
 import base64
-import json
 import os
 import pathlib
 from typing import Any, Optional, Union
 
+from ._json import json_text
 from ._paths import Path
 from ._program import run_program
 
@@ -53,7 +53,7 @@ def render(directory: Path, file: Path, *, size: tuple[int, int] = (1280, 720),
     as [{"time": 0, "yaw": 0}, {"time": 1, "yaw": 90}], or a file of them. turntable: length of a film
     that goes once around a frame, s. InputError: an option or the directory is not valid.
     """
-    keys = json.dumps(camera) if isinstance(camera, list) else camera and os.fspath(camera)
+    keys = json_text("camera", camera) if isinstance(camera, list) else camera and os.fspath(camera)
     run_program("render", directory, output=os.fspath(file), size=f"{size[0]}x{size[1]}", time=time,
                 frame=frame, frames=_range(frames), fps=fps, view=view, camera=keys, turntable=turntable)
     return Picture(pathlib.Path(file))

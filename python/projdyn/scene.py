@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import json
-import os
 from ctypes import c_char_p
 from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence, Union
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from ._arrays import address, doubles, indices
 from ._handles import Handle, new_context
+from ._json import json_text
 from ._library import lib
 from ._paths import Path, path as path_of, text
 from ._structs import Write
@@ -80,7 +80,7 @@ class Scene:
     def __setitem__(self, path: str, value: Any) -> None:
         """Sets a value; None removes it. What is missing on the way is made. Checks are made by
         load."""
-        self._set(path, _json(text(path, "path"), value))
+        self._set(path, json_text(text(path, "path"), value))
 
     def __getitem__(self, path: str) -> Any:
         """A copy of a value. KeyError: it was not given."""
@@ -239,7 +239,7 @@ class Scene:
     def _append(self, key: str, entry: dict[str, Any], arrays: Optional[_Arrays]) -> None:
         """Adds an element and its arrays, or nothing if one of both is not valid."""
         path = f"{key}.{len(self.to_dict().get(key, []))}"
-        value = _json(path, entry)
+        value = json_text(path, entry)
         if arrays:
             self._handle.call(arrays.function, arrays.file.encode(), *arrays.arguments)
         self._set(path, value)
@@ -294,7 +294,7 @@ def load(path: Path, overrides: Optional[dict[str, Any]] = None, *, threads: int
     if not isinstance(overrides, (dict, type(None))):
         raise wrong_type("overrides", "a dictionary", overrides)
     file, context = path_of(path, "path"), new_context(threads, allow_plugins)
-    texts = [f"{key}={_json(key, value)}".encode() for key, value in (overrides or {}).items()]
+    texts = [f"{key}={json_text(key, value)}".encode() for key, value in (overrides or {}).items()]
     sim = context.make(lib.pdyn_load, file, (c_char_p * len(texts))(*texts),
                        len(texts))
     return Simulation(Handle(sim, lib.pdyn_free, context))
@@ -304,26 +304,6 @@ def _new(make: Callable[..., int], name: Path, threads: int, allow_plugins: bool
     """A scene in a context of its own."""
     file, context = path_of(name, "path"), new_context(threads, allow_plugins)
     return Handle(context.make(make, file), lib.pdyn_scene_free, context)
-
-
-def _json(path: str, value: Any) -> str:
-    """A value as JSON text; path: of the value, for messages."""
-    try:
-        return json.dumps(value, default=_plain, allow_nan=False)
-    except TypeError as error:
-        raise TypeError(f"{path}: {error}") from None
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
-
-
-def _plain(value: Any) -> Any:
-    """Paths and numpy's arrays and numbers as JSON has them."""
-    if isinstance(value, os.PathLike):
-        return os.fspath(value)
-    array = np.asarray(value)
-    if array.dtype.kind not in "biufU":
-        raise TypeError(f"expected numbers, texts, lists or dictionaries, found {type(value).__name__}")
-    return array.tolist()
 
 
 def _names(values: dict[str, Any], key: str, word: str, before: str = "") -> str:

@@ -5,6 +5,8 @@ import shutil
 import tempfile
 import unittest
 
+import numpy as np
+
 import projdyn
 from scenes import hanging_sheet, tank_of_water
 
@@ -75,7 +77,7 @@ class Errors(Files):
                                ({"time": "soon"}, "--time soon: expected a number"),
                                ({"size": (3, 3)}, "--size 3x3: expected WIDTHxHEIGHT, even numbers"),
                                ({"frame": 7}, "--frame 7: expected at most 2"),
-                               ({"camera": [{"yaw": 0}]}, '--camera .* missing key "time"')):
+                               ({"camera": [{"yaw": np.int64(0)}]}, '--camera .* missing key "time"')):
             with self.subTest(words), self.assertRaisesRegex(projdyn.InputError, f"^render: .*{words}"):
                 projdyn.render(self.path / "sheet", **{"file": "x.png", **options})
 

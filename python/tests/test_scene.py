@@ -144,7 +144,7 @@ class Scenes(unittest.TestCase):
 
     def test_threads_do_not_change_bits(self):
         hashes = []
-        for threads in (1, 2):
+        for threads in (1, np.int64(2)):
             sim = tank_of_water(threads=threads).load()
             for _ in range(3):
                 sim.step()
@@ -221,6 +221,8 @@ class Mistakes(unittest.TestCase):
 
     def test_threads(self):
         self.fails("expected 0 to 1024, found -1", projdyn.Scene, threads=-1)
+        with self.assertRaisesRegex(TypeError, "threads: expected a whole number, found float"):
+            projdyn.Scene(threads=1.5)
 
 
 if __name__ == "__main__":
