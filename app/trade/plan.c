@@ -10,12 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a plan is made for. */
-struct base {
-    const json_t *scene;
-    const struct time_window *window;
-};
-
 /* A setting that solves its steps. */
 struct point {
     double factor, tolerance;
@@ -42,28 +36,28 @@ static double divide_interval(double interval, double fixed) {
 }
 
 /* Fixed step of the scene, as its own runs take it; 0: its steps are adaptive. */
-static double scene_step(const struct base *base) {
-    double fixed = scene_number(json_object_get(base->scene, "time_step"), "fixed", 0.0);
-    return fixed > 0.0 ? divide_interval(base->window->scene_interval, fixed) : 0.0;
+static double scene_step(const struct plan *plan) {
+    double fixed = scene_number(json_object_get(plan->scene, "time_step"), "fixed", 0.0);
+    return fixed > 0.0 ? divide_interval(plan->window->scene_interval, fixed) : 0.0;
 }
 
 /* The factor on the step length that the runs take, which is less than the asked one where a fixed
  * step is shortened to divide the frame interval. */
-static double real_factor(const struct base *base, double factor) {
-    double h = scene_step(base);
+static double real_factor(const struct plan *plan, double factor) {
+    double h = scene_step(plan);
     if (h == 0.0) return factor;
-    double real = divide_interval(base->window->frame_interval, factor * h) / h;
+    double real = divide_interval(plan->window->frame_interval, factor * h) / h;
     return fabs(real - factor) < 1e-9 * factor ? factor : real;
 }
 
 /* Multiplies the step length by a real factor. Defaults for missing keys are those of
  * docs/guide/scene.md. */
-static void scale_step(struct setting *setting, const struct base *base, double factor) {
-    const json_t *step = json_object_get(base->scene, "time_step");
+static void scale_step(struct setting *setting, const struct plan *plan, double factor) {
+    const json_t *step = json_object_get(plan->scene, "time_step");
     if (factor == 1.0) return;
-    scale_viscosity(setting, base->scene, factor);
-    if (scene_step(base) > 0.0) {
-        setting_add(setting, "time_step.fixed=%.12g", factor * scene_step(base));
+    scale_viscosity(setting, plan->scene, factor);
+    if (scene_step(plan) > 0.0) {
+        setting_add(setting, "time_step.fixed=%.12g", factor * scene_step(plan));
         return;
     }
     double maximum = factor * scene_number(step, "maximum", 0.005);
@@ -118,27 +112,27 @@ static bool append_setting(struct plan *plan, struct setting *setting, const cha
 /* ---- the plan -------------------------------------------------------------------------------- */
 
 /* Whether an earlier point has the same real step and tolerance. */
-static bool is_repeated(const struct base *base, const struct point *point, size_t k) {
-    double factor = real_factor(base, point[k].factor);
+static bool is_repeated(const struct plan *plan, const struct point *point, size_t k) {
+    double factor = real_factor(plan, point[k].factor);
     for (size_t j = 0; j < k; j++)
         if (point[j].tolerance == point[k].tolerance &&
-            real_factor(base, point[j].factor) == factor)
+            real_factor(plan, point[j].factor) == factor)
             return true;
     return false;
 }
 
 /* Step lengths x residuals. */
-static bool add_solved_grid(struct plan *plan, const struct base *base) {
+static bool add_solved_grid(struct plan *plan) {
     static const struct point points[] = {
         {8, 1},     {8, 0.1},  {4, 10},     {4, 1},     {4, 0.1},     {2, 10},     {2, 1},
         {2, 0.1},   {1, 10},   {1, 1},      {1, 0.1},   {0.5, 10},    {0.5, 1},    {0.5, 0.1},
         {0.25, 10}, {0.25, 1}, {0.25, 0.1}, {0.125, 1}, {0.125, 0.1}, {0.0625, 1}, {0.03125, 1}};
     bool good = true;
     for (size_t k = 0; k < sizeof points / sizeof *points && good; k++) {
-        double factor = real_factor(base, points[k].factor);
+        double factor = real_factor(plan, points[k].factor);
         struct setting setting = {0};
-        if (is_repeated(base, points, k)) continue;
-        scale_step(&setting, base, factor);
+        if (is_repeated(plan, points, k)) continue;
+        scale_step(&setting, plan, factor);
         set_tolerance(&setting, points[k].tolerance);
         good =
             append_setting(plan, &setting, "h x %g, to residual %g", factor, points[k].tolerance);
@@ -147,16 +141,16 @@ static bool add_solved_grid(struct plan *plan, const struct base *base) {
 }
 
 /* The integrator that the scene does not use, of euler and bdf2. */
-static bool add_other_integrator(struct plan *plan, const struct base *base) {
+static bool add_other_integrator(struct plan *plan) {
     static const struct point points[] = {{4, 1},   {2, 1},     {1, 1},    {1, 0.1},
                                           {0.5, 1}, {0.5, 0.1}, {0.25, 1}, {0.125, 1}};
-    const char *other = strcmp(scene_integrator(base->scene), "euler") ? "euler" : "bdf2";
+    const char *other = strcmp(scene_integrator(plan->scene), "euler") ? "euler" : "bdf2";
     bool good = true;
     for (size_t k = 0; k < sizeof points / sizeof *points && good; k++) {
-        double factor = real_factor(base, points[k].factor);
+        double factor = real_factor(plan, points[k].factor);
         struct setting setting = {0};
-        if (is_repeated(base, points, k)) continue;
-        scale_step(&setting, base, factor);
+        if (is_repeated(plan, points, k)) continue;
+        scale_step(&setting, plan, factor);
         setting_add(&setting, "time_step.integrator=%s", other);
         set_tolerance(&setting, points[k].tolerance);
         good = append_setting(plan, &setting, "%s, h x %g, to residual %g", other, factor,
@@ -166,16 +160,17 @@ static bool add_other_integrator(struct plan *plan, const struct base *base) {
 }
 
 /* Step lengths x iteration limits. */
-static bool add_truncated_grid(struct plan *plan, const struct base *base, double coarsening) {
+static bool add_truncated_grid(struct plan *plan) {
     static const double factors[] = {4, 2, 1, 0.5};
     static const int iterations[][2] = {{1, 8}, {2, 8}, {2, 24}, {4, 24}};
     bool good = true;
     for (size_t k = 0; k < 16 && good; k++) {
-        double factor = real_factor(base, factors[k / 4]);
-        int outer = iterations[k % 4][0], linear = (int)round(coarsening * iterations[k % 4][1]);
+        double factor = real_factor(plan, factors[k / 4]);
+        int outer = iterations[k % 4][0],
+            linear = (int)round(plan->coarsening * iterations[k % 4][1]);
         struct setting setting = {0};
-        if (k >= 4 && real_factor(base, factors[k / 4 - 1]) == factor) continue;
-        scale_step(&setting, base, factor);
+        if (k >= 4 && real_factor(plan, factors[k / 4 - 1]) == factor) continue;
+        scale_step(&setting, plan, factor);
         truncate_iterations(&setting, outer, linear);
         good = append_setting(plan, &setting, "h x %g, %d x %d iterations", factor, outer, linear);
     }
@@ -184,19 +179,19 @@ static bool add_truncated_grid(struct plan *plan, const struct base *base, doubl
 
 /* Fixed step lengths instead of steps limited by the CFL number; none if the scene has fixed
  * steps. */
-static bool add_fixed_steps(struct plan *plan, const struct base *base, double coarsening) {
-    int linear = (int)round(24.0 * coarsening);
-    double longest = scene_number(json_object_get(base->scene, "time_step"), "maximum", 0.005);
+static bool add_fixed_steps(struct plan *plan) {
+    int linear = (int)round(24.0 * plan->coarsening);
+    double longest = scene_number(json_object_get(plan->scene, "time_step"), "maximum", 0.005);
     double before = 0.0;
     bool good = true;
-    if (scene_step(base) > 0.0) return true;
+    if (scene_step(plan) > 0.0) return true;
     for (int k = 0; k < 3 && good; k++) {
-        double h = divide_interval(base->window->frame_interval, longest * (1 << k));
+        double h = divide_interval(plan->window->frame_interval, longest * (1 << k));
         for (int solved = 0; solved < 2 && good && h != before; solved++) {
             struct setting setting = {0};
             setting_add(&setting, "time_step={\"fixed\": %.12g, \"integrator\": \"%s\"}", h,
-                        scene_integrator(base->scene));
-            scale_viscosity(&setting, base->scene, h / longest);
+                        scene_integrator(plan->scene));
+            scale_viscosity(&setting, plan->scene, h / longest);
             if (solved) set_tolerance(&setting, 1.0);
             else truncate_iterations(&setting, 2, linear);
             good =
@@ -211,12 +206,12 @@ static bool add_fixed_steps(struct plan *plan, const struct base *base, double c
 }
 
 /* Solvers other than that of the scene. */
-static bool add_solvers(struct plan *plan, const char *solver) {
+static bool add_solvers(struct plan *plan) {
     static const char *const others[] = {"cg", "hybrid", "dual"};
     bool good = true;
     for (int k = 0; k < 3 && good; k++) {
         struct setting setting = {0};
-        if (!strcmp(others[k], solver)) continue;
+        if (!strcmp(others[k], plan->window->solver)) continue;
         setting_add(&setting, "solver.type=%s", others[k]);
         good = append_setting(plan, &setting, "solver %s", others[k]);
     }
@@ -245,14 +240,14 @@ static bool add_step_types(struct plan *plan) {
 }
 
 /* The scene unchanged, and with other step lengths. */
-static bool add_scene_steps(struct plan *plan, const struct base *base) {
+static bool add_scene_steps(struct plan *plan) {
     static const double factors[] = {1, 2, 0.5};
     bool good = true;
     for (int k = 0; k < 3 && good; k++) {
-        double factor = real_factor(base, factors[k]);
+        double factor = real_factor(plan, factors[k]);
         struct setting setting = {0};
-        if (k && real_factor(base, 1.0) == factor) continue;
-        scale_step(&setting, base, factor);
+        if (k && real_factor(plan, 1.0) == factor) continue;
+        scale_step(&setting, plan, factor);
         good = factor != 1.0 ? append_setting(plan, &setting, "h x %g", factor)
                              : append_setting(plan, &setting, "scene unchanged");
     }
@@ -260,12 +255,12 @@ static bool add_scene_steps(struct plan *plan, const struct base *base) {
 }
 
 /* References use bdf2, whose error decreases faster with the step length than that of euler. */
-static bool make_references(struct plan *plan, const struct base *base) {
+static bool make_references(struct plan *plan) {
     bool good = true;
     for (int k = 0; k < PLAN_REFERENCES; k++) {
         struct setting *setting = &plan->reference[k];
-        double factor = 0.25 / (double)(1 << k) * real_factor(base, 1.0);
-        scale_step(setting, base, factor);
+        double factor = 0.25 / (double)(1 << k) * real_factor(plan, 1.0);
+        scale_step(setting, plan, factor);
         setting_add(setting, "time_step.integrator=bdf2");
         set_tolerance(setting, 0.01);
         if (asprintf(&setting->name, "bdf2, h x %g, to residual 0.01", factor) < 0)
@@ -277,12 +272,10 @@ static bool make_references(struct plan *plan, const struct base *base) {
 
 bool plan_make(struct plan *plan, const json_t *scene, const struct time_window *window,
                double coarsening) {
-    const struct base base = {scene, window};
-    *plan = (struct plan){0};
-    return add_scene_steps(plan, &base) && add_truncated_grid(plan, &base, coarsening) &&
-           add_solved_grid(plan, &base) && add_other_integrator(plan, &base) &&
-           add_fixed_steps(plan, &base, coarsening) && add_solvers(plan, window->solver) &&
-           add_step_types(plan) && make_references(plan, &base);
+    *plan = (struct plan){.scene = scene, .window = window, .coarsening = coarsening};
+    return add_scene_steps(plan) && add_truncated_grid(plan) && add_solved_grid(plan) &&
+           add_other_integrator(plan) && add_fixed_steps(plan) && add_solvers(plan) &&
+           add_step_types(plan) && make_references(plan);
 }
 
 void plan_free(struct plan *plan) {

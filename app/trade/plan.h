@@ -11,6 +11,9 @@
 enum { PLAN_REFERENCES = 6 };
 
 struct plan {
+    const json_t *scene; /* what plan_make was called with; used by it alone */
+    const struct time_window *window;
+    double coarsening;
     int count, capacity;
     struct setting *setting; /* count */
     /* BDF2 solved to a small residual, with steps of 1/4, 1/8, ... 1/128 of the scene's length. */
