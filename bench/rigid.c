@@ -5,7 +5,7 @@
  *     rigid incline              a box on a slope: the angle at which it slips, its acceleration
  *     rigid stack [SECONDS]      ten boxes on each other: how far they sink and drift
  *     rigid floating [SECONDS]   draught of a floating box, and which ratio of its sides is stable
- *     rigid many [STEPS]         a dam break with 100 bodies and without: time of a step
+ *     rigid many [SECONDS]       a dam break with 100 bodies and without: time of a run
  */
 #include "bench.h"
 
@@ -314,42 +314,42 @@ static void write_boxes(char *text, size_t size) {
 }
 
 struct cost {
-    double ms, outer, linear, unsolved;
-    int particles;
+    double ms, outer, linear; /* of all steps */
+    int steps, unsolved, particles;
 };
 
-static struct cost cost_of(const char *more, int steps) {
+/* Steps of the default length, which `cfl` limits. */
+static struct cost cost_of(const char *more, double seconds) {
     pdyn_sim *sim = load(
-        "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': 0.002}, 'solids': "
+        "{'duration': 1000, 'frame_interval': 1000, 'solids': "
         "[{'box': {'minimum': [0, 0, 0], 'maximum': [1.62, 1.2, 0.54]}, 'open': ['+y']}], "
         "'bodies': [{'name': 'water', 'particles': {'radius': 0.01, 'fill': [{'box': {'minimum': "
         "[0, 0, 0], 'maximum': [0.54, 0.54, 0.54]}}]}, 'constraints': [{'type': 'fluid', "
         "'compression': 0.001}]}%s}",
         more);
     struct cost cost = {.particles = 0};
-    for (int n = 0; n < steps; n++) {
+    for (; pdyn_time(sim) < seconds; cost.steps++) {
         pdyn_step_info info = take_step(context, sim);
-        cost.ms += info.ms_cpu / steps, cost.outer += (double)info.outer_iterations / steps;
-        cost.linear += (double)info.linear_iterations / steps;
-        cost.unsolved += (info.step_residual > 0.1) / (double)steps,
-            cost.particles = info.particles;
+        cost.ms += info.ms_cpu, cost.outer += info.outer_iterations;
+        cost.linear += info.linear_iterations, cost.unsolved += info.step_residual > 0.1;
+        cost.particles = info.particles;
     }
     pdyn_free(sim);
     return cost;
 }
 
-static void many(int steps) {
+static void many(double seconds) {
     static char more[1 << 16] = "";
     write_boxes(more, sizeof more);
     strcat(more, "], 'contact': {'thickness': 0.004, 'stiffness': 1e4}");
     const char *const texts[2] = {"]", more};
     struct cost cost[2];
-    printf("| bodies | particles | outer, linear iterations | unsolved steps | CPU time of a step, "
-           "ms |\n|---|---|---|---|---|\n");
+    printf("| bodies | particles | steps | outer, linear iterations a step | unsolved steps | CPU "
+           "time of a step, ms | CPU time, s |\n|---|---|---|---|---|---|---|\n");
     for (int k = 0; k < 2; k++) {
-        cost[k] = cost_of(texts[k], steps);
-        printf("| %d | %d | %.1f, %.0f | %.0f %% | %.1f |\n", 100 * k, cost[k].particles,
-               cost[k].outer, cost[k].linear, 100.0 * cost[k].unsolved, cost[k].ms);
+        struct cost c = cost[k] = cost_of(texts[k], seconds);
+        printf("| %d | %d | %d | %.1f, %.0f | %d | %.1f | %.1f |\n", 100 * k, c.particles, c.steps,
+               c.outer / c.steps, c.linear / c.steps, c.unsolved, c.ms / c.steps, 1e-3 * c.ms);
         fflush(stdout);
     }
     printf("\nratio %.2f\n", cost[1].ms / cost[0].ms);
@@ -367,10 +367,10 @@ int main(int argc, char **argv) {
     else if (!strcmp(command, "incline")) incline();
     else if (!strcmp(command, "stack")) stack(number > 0.0 ? number : 10.0);
     else if (!strcmp(command, "floating")) floating(number > 0.0 ? number : 3.0);
-    else if (!strcmp(command, "many")) many(number > 0.0 ? (int)number : 400);
+    else if (!strcmp(command, "many")) many(number > 0.0 ? number : 0.24);
     else
         die("usage: rigid flight [STEPS] | incline | stack [SECONDS] | floating [SECONDS] | many "
-            "[STEPS]");
+            "[SECONDS]");
     pdyn_destroy(context);
     return EXIT_SUCCESS;
 }
