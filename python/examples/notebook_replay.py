@@ -3,7 +3,6 @@
 import tempfile
 
 import projdyn
-from projdyn.notebook import replay
 
 scene = projdyn.Scene(duration=0.5)
 scene.add_cloth(grid={"size": [1, 1], "vertices": [25, 25]}, name="sheet", area_density=0.2,
@@ -13,6 +12,6 @@ directory = tempfile.mkdtemp()
 with sim.write(directory) as writer:
     for info in sim.run():
         writer.step(info)
-page = replay(directory)
+page = projdyn.replay(directory)
 print(f"{page.path}: {len(page._repr_html_()) / 1e6:.1f} MB")
 page

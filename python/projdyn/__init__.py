@@ -20,6 +20,7 @@ from .body import Body
 from .constraint import Constraint, Parameter
 from .errors import Error, InputError, StepError
 from .inlet import Inlet
+from .notebook import replay
 from .pictures import Picture, mesh, render, usd
 from .plots import plot, plot_sweep
 from .probe import Probe
@@ -33,4 +34,4 @@ __version__ = version()
 
 __all__ = ["Body", "Constraint", "Error", "Inlet", "InputError", "Load", "Parameter", "Picture", "Pose",
            "Probe", "Rigid", "Scene", "Simulation", "Solid", "StepError", "StepInfo", "Warning", "Writer",
-           "load", "mesh", "plot", "plot_sweep", "render", "usd", "version"]
+           "load", "mesh", "plot", "plot_sweep", "render", "replay", "usd", "version"]

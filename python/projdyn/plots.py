@@ -10,7 +10,7 @@ from typing import Any, Iterable, Optional
 
 import numpy as np
 
-from ._paths import Path
+from ._paths import Path, path as path_of
 from .errors import InputError
 
 _UNITS = {"J": "J", "N": "N", "Nm": "N m", "Pa": "Pa", "m_s": "m/s", "m3": "m³", "m": "m", "s": "s"}
@@ -64,6 +64,7 @@ def plot(run: Path, *columns: str, file: Optional[Path] = None) -> Any:
     "energy_*" is the energy of each constraint. file: where to save it, as "energies.png". The run
     may still go on. InputError: there is no such run or column."""
     _pyplot()
+    path_of(run, "run")
     tables = [_read(path) for path in (pathlib.Path(run, "metrics.csv"),
                                        pathlib.Path(run, "probes.csv")) if path.exists()]
     if not tables or not len(tables[0].get("time_s", ())):
@@ -108,6 +109,7 @@ def plot_sweep(sweep: Path, *columns: str, file: Optional[Path] = None) -> Any:
     Without columns: processor time and step residual. Names, file: as for plot. Runs that are not
     good are left out. InputError: there is no such sweep or column."""
     _pyplot()
+    path_of(sweep, "sweep")
     path = pathlib.Path(sweep, "sweep.csv")
     if not path.exists():
         raise InputError(f"{sweep}: expected the directory of a sweep with sweep.csv")

@@ -13,6 +13,9 @@ class Run(Iterator[StepInfo]):
     def __init__(self, step: Callable[[], StepInfo], is_over: Callable[[], bool]) -> None:
         self._step, self._is_over, self._is_used = step, is_over, False
 
+    def __repr__(self) -> str:
+        return "<steps of a simulation, computed by a loop: for info in sim.run(): pass>"
+
     def __next__(self) -> StepInfo:
         self._is_used = True
         if self._is_over():

@@ -53,6 +53,12 @@ class Scene:
         scene._handle = _new(lib.pdyn_scene_open, path, threads, allow_plugins)
         return scene
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        """An attribute would change nothing in the scene."""
+        if name != "_handle":
+            raise AttributeError(f'{name}: keys of a scene are items: scene["{name}"] = ...')
+        object.__setattr__(self, name, value)
+
     # ---- values ---------------------------------------------------------------------------------
 
     def __repr__(self) -> str:

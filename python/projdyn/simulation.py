@@ -1,6 +1,7 @@
 """Simulations: steps, state, results."""
 from __future__ import annotations
 
+import warnings
 from ctypes import byref, c_size_t, create_string_buffer, sizeof
 from dataclasses import dataclass
 from typing import Any, Iterator, Optional, Union
@@ -80,6 +81,9 @@ class Simulation(Fixed):
         duration of the scene. The last step may end after it, unless it is the time of a frame.
         InputError: `until` is below 0, or more than a frame interval, the longest step, before the
         time."""
+        if until is None and self.is_finished:
+            warnings.warn(f"the simulation has reached its duration, {self.duration:g} s: no steps; "
+                          "sim.run(until=...) goes on, scene.load() begins anew", RuntimeWarning, stacklevel=2)
         end = self.duration if until is None else number(until, "until")
         if until is not None and not end >= max(0.0, self.time - self.frame_interval):
             raise InputError(f"until: expected a time after the present one, {self.time:.6g} s, "

@@ -13,7 +13,7 @@ from .errors import wrong_type
 
 
 class Writer:
-    """Writes a run; the directory can be replayed (projdyn.notebook), read and rendered:
+    """Writes a run; the directory can be replayed (projdyn.replay), read and rendered:
 
         with sim.write("out") as writer:
             for info in sim.run():

@@ -56,6 +56,11 @@ class Plot(unittest.TestCase):
         self.assertEqual(figure.axes[0].get_ylabel(), "J")
         np.testing.assert_allclose(lines["kinetic_J"], self.infos, rtol=1e-6)
 
+    def test_types(self):
+        for draw in (projdyn.plot, projdyn.plot_sweep):
+            with self.assertRaisesRegex(TypeError, ": expected a path, found dict"):
+                draw({})
+
     def test_units(self):
         """One diagram for each unit; columns of probes; a file."""
         file = pathlib.Path(self.folder.name, "forces.png")

@@ -190,9 +190,15 @@ class Mistakes(unittest.TestCase):
                            ("name: expected a text, found int", lambda: scene.add_solid(name=3, plane={})),
                            ("vertices: expected numbers, found str", lambda: scene.add_solid("mesh.ply")),
                            ("fill: expected a list", lambda: scene.add_fluid(radius=1, fill={"box": 1})),
+                           ("directory: expected a path, found Scene", lambda: projdyn.render(scene, "x.png")),
+                           ("directory: expected a path, found Scene", lambda: projdyn.replay(scene)),
                            ("bodies.0: .* found object", lambda: scene.add_fluid(radius=object()))]:
             with self.assertRaisesRegex(TypeError, text):
                 call()
+
+    def test_attributes(self):
+        with self.assertRaisesRegex(AttributeError, r'gravity: .*: scene\["gravity"\] = ...'):
+            projdyn.Scene(threads=1).gravity = [0, 0, 0]
 
     def test_a_failed_body_leaves_nothing(self):
         """Neither an element nor arrays: those of the sheet of this name stay."""

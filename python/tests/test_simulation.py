@@ -17,7 +17,6 @@ import projdyn
 from projdyn._handles import Handle
 from projdyn._library import open_library
 from projdyn._program import program_path
-from projdyn.notebook import replay
 from scenes import hanging_sheet, tank_of_water
 
 
@@ -46,7 +45,13 @@ class Steps(unittest.TestCase):
             next(run)
             run = None
             self.assertEqual(len(list(sim.run())), 8)
+            self.assertEqual(list(sim.run(until=0.1)), [])
+        with self.assertWarnsRegex(RuntimeWarning, "reached its duration, 0.1 s: no steps") as caught:
             self.assertEqual(list(sim.run()), [])
+        self.assertEqual(pathlib.Path(caught.filename).name, "test_simulation.py")
+        run = sim.run(until=1)
+        next(run)
+        self.assertIn("for info in sim.run()", repr(run))
 
     def test_run_until_the_past(self):
         sim = hanging_sheet(duration=0.1, frame_interval=0.01, time_step={"fixed": 0.01}).load()
@@ -79,7 +84,7 @@ class Steps(unittest.TestCase):
         while not sim.is_finished:
             sim.step()
             steps += 1
-        self.assertEqual((steps, len(list(sim.run()))), (49, 0))
+        self.assertEqual((steps, len(list(sim.run(until=sim.duration)))), (49, 0))
 
     def test_step_of_a_given_length(self):
         sim = hanging_sheet().load()
@@ -240,7 +245,7 @@ class Files(unittest.TestCase):
             self.assertEqual(report["steps"], len(list(scene.load().run())))
             with self.assertRaisesRegex(projdyn.Error, "closed"):
                 writer.frame()
-            page = replay(f"{folder}/package")._repr_html_()
+            page = projdyn.replay(f"{folder}/package")._repr_html_()
             self.assertIn("<iframe srcdoc=", page)
             self.assertNotIn('<script', page)  # escaped
 
@@ -271,7 +276,7 @@ class Files(unittest.TestCase):
 
     def test_replay_of_nothing(self):
         with self.assertRaisesRegex(projdyn.Error, "no_such"):
-            replay("no_such")
+            projdyn.replay("no_such")
 
 
 class Messages(unittest.TestCase):
