@@ -75,7 +75,7 @@ static void inertia(void *arg, int first, int last, int block) {
 }
 
 /* The points of SPH sums: particles, then samples of surfaces. */
-static const double *extend(const struct objective *o, const double *x) {
+static const double *with_samples(const struct objective *o, const double *x) {
     if (!o->samples) return x;
     samples_interpolate(o->samples, x, o->samples->x);
     return o->samples->x;
@@ -91,7 +91,7 @@ pdyn_status objective_share_lists(struct objective *o) {
     return status;
 }
 
-/* Builds lists at x, which is extended by samples, and gives them to every batch. */
+/* Builds lists at x, which ends with the samples, and gives them to every batch. */
 static pdyn_status build_lists(struct objective *o, const double *x) {
     double start = clock_ms();
     pdyn_status status = neighbours_build(o->neighbours, x);
@@ -101,7 +101,7 @@ static pdyn_status build_lists(struct objective *o, const double *x) {
 }
 
 pdyn_status objective_build_lists(struct objective *o, const double *x) {
-    return build_lists(o, extend(o, x));
+    return build_lists(o, with_samples(o, x));
 }
 
 static bool lists_are_complete(const struct objective *o, const double *x) {
@@ -109,7 +109,7 @@ static bool lists_are_complete(const struct objective *o, const double *x) {
 }
 
 pdyn_status objective_ensure_lists(struct objective *o, const double *x, const double **all) {
-    *all = extend(o, x);
+    *all = with_samples(o, x);
     return lists_are_complete(o, *all) ? PDYN_OK : build_lists(o, *all);
 }
 

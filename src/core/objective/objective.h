@@ -94,7 +94,7 @@ pdyn_status objective_end(struct objective *objective);
 /* max_step: particles, then samples: how far each may move from x in one iterate, m. */
 pdyn_status objective_limit(struct objective *objective, const double *x, double *max_step);
 
-/* Extends x by the samples (*all) and rebuilds the neighbour lists if they are incomplete there. */
+/* *all: x, then the samples. Rebuilds the neighbour lists if they are incomplete there. */
 pdyn_status objective_ensure_lists(struct objective *objective, const double *x,
                                    const double **all);
 

@@ -9,7 +9,7 @@
 /* ---- operators: vectors that end with the values of samples ---------------------------------- */
 
 /* u with the values of samples. A caller that has u in samples->input already saves a copy. */
-static const double *extend(const struct batch *b, const double *u) {
+static const double *with_samples(const struct batch *b, const double *u) {
     if (!b->samples) return u;
     samples_interpolate_active(b->samples, u);
     return b->samples->input;
@@ -81,7 +81,7 @@ pdyn_status batch_linearise(struct batch *b, double eps) {
 
 void batch_apply(struct batch *b, const double *u, double *y) {
     if (b->op) {
-        one_sided_apply(&b->one_sided, b->eps, extend(b, u), begin_output(b, y));
+        one_sided_apply(&b->one_sided, b->eps, with_samples(b, u), begin_output(b, y));
         end_output(b, y);
         return;
     }
@@ -97,13 +97,13 @@ void batch_apply_remainder(struct batch *b, const double *u, double *y) {
     if (!b->op) {
         batch_apply(b, u, y);
     } else if (b->eps > 0.0) {
-        one_sided_apply_projective(&b->one_sided, b->eps, extend(b, u), begin_output(b, y));
+        one_sided_apply_projective(&b->one_sided, b->eps, with_samples(b, u), begin_output(b, y));
         end_output(b, y);
     }
 }
 
 void batch_rate(struct batch *b, const bool *which, const double *u, double *rate) {
-    b->type->matrix_free->rate(b->op, which, extend(b, u), rate);
+    b->type->matrix_free->rate(b->op, which, with_samples(b, u), rate);
 }
 
 void batch_force(struct batch *b, const double *multiplier, double *y) {
@@ -114,7 +114,7 @@ void batch_force(struct batch *b, const double *multiplier, double *y) {
 static bool has_sides(const struct batch *b) { return b->op && b->eps < 1.0; }
 
 void batch_set_direction(struct batch *b, const double *u) {
-    if (has_sides(b)) one_sided_set_direction(&b->one_sided, extend(b, u));
+    if (has_sides(b)) one_sided_set_direction(&b->one_sided, with_samples(b, u));
 }
 
 int batch_count_side_changes(struct batch *b) {
@@ -185,8 +185,8 @@ void batch_find_acceleration(struct batch *b, const struct velocity_change *chan
 }
 
 static int operator_impacts(struct batch *b, const struct velocity_change *change, double *force) {
-    one_sided_rate_acceleration(&b->one_sided, extend(b, change->scratch));
-    one_sided_rate_slowed(&b->one_sided, extend(b, change->slowed));
+    one_sided_rate_acceleration(&b->one_sided, with_samples(b, change->scratch));
+    one_sided_rate_slowed(&b->one_sided, with_samples(b, change->slowed));
     int count = one_sided_impacts(&b->one_sided, b->view.body->mass[0], change->h, change->solved,
                                   begin_output(b, force));
     end_output(b, force);
