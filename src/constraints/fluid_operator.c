@@ -71,12 +71,12 @@ static void set_params(void *self, const void *par) {
 static void copy_boundary(struct fluid *f) {
     for (int i = f->particles; i < f->points; i++)
         memcpy(f->x + 4 * i, f->lists->boundary_x + 3 * (i - f->particles), 3 * sizeof *f->x);
-    f->boundary = f->lists->boundary_revision;
+    f->boundary_revision = f->lists->boundary_revision;
 }
 
 static void set_points(struct fluid *f) {
     for (int i = 0; i < f->points; i++) f->x[4 * i + 3] = f->lists->volume[i] / f->particle_volume;
-    f->volumes = f->lists->volume_revision;
+    f->volume_revision = f->lists->volume_revision;
     copy_boundary(f);
 }
 
@@ -110,7 +110,7 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
         if (!resize_particles(f, true)) return false;
         for (int i = 0; i < f->particles; i++) f->compressed[i] = -1.0;
     }
-    if (f->volumes != lists->volume_revision) set_points(f);
+    if (f->volume_revision != lists->volume_revision) set_points(f);
     size_t pairs = place_blocks(f);
     if (pairs <= f->pairs) return true;
     release_pairs(f);
@@ -146,8 +146,8 @@ static void begin(void *self, double h) {
 
 static double local(void *self, const double *x, double *gradient) {
     struct fluid *f = self;
-    if (f->volumes != f->lists->volume_revision) set_points(f);
-    if (f->boundary != f->lists->boundary_revision) copy_boundary(f);
+    if (f->volume_revision != f->lists->volume_revision) set_points(f);
+    if (f->boundary_revision != f->lists->boundary_revision) copy_boundary(f);
     double energy = fluid_project(f, x);
     fluid_add_gradients(f, f->flux, gradient);
     return energy;

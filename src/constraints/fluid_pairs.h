@@ -23,21 +23,21 @@ struct fluid {
     struct fluid_params params;
     struct kernel kernel; /* both times the volume of a particle */
     struct surface_kernel surface;
-    int first, count;                /* the fluid's particles in the system */
-    int particles, points;           /* of the system; the same with boundary points */
-    int samples;                     /* the last ones of the particles */
-    unsigned volumes, boundary;      /* revisions of the volumes and boundary points in x */
-    double rest_density;             /* kg/m^3 */
-    double spacing, particle_volume; /* m, m^3 */
-    double factor, part;             /* of damping in a step (fluid_local.c) */
-    size_t pairs;                    /* capacity of pair_index and pair */
-    int *block_start;                /* blocks + 1: first pair of each block of points */
-    int *pair_start, *pair_end;      /* particles: range of pairs within the support */
-    int *pair_index;                 /* pairs: the neighbour */
-    float *pair;        /* pairs x 4: V grad W(x_i - x_j), 1/m, V: relative volume of the
-                           sample of the pair, 1 between fluid particles; then W */
-    double *x;          /* points x 4: positions of the last local step, relative volume */
-    double *gradient;   /* particles x 4: grad C_i with respect to x_i, 1/m, and 0 */
+    int first, count;                            /* the fluid's particles in the system */
+    int particles, points;                       /* of the system; the same with boundary points */
+    int samples;                                 /* the last ones of the particles */
+    unsigned volume_revision, boundary_revision; /* of the volumes and boundary points in x */
+    double rest_density;                         /* kg/m^3 */
+    double spacing, particle_volume;             /* m, m^3 */
+    double factor, part;                         /* of damping in a step (fluid_local.c) */
+    size_t pairs;                                /* capacity of pair_index and pair */
+    int *block_start;           /* blocks + 1: first pair of each block of points */
+    int *pair_start, *pair_end; /* particles: range of pairs within the support */
+    int *pair_index;            /* pairs: the neighbour */
+    float *pair;                /* pairs x 4: V grad W(x_i - x_j), 1/m, V: relative volume of the
+                                   sample of the pair, 1 between fluid particles; then W */
+    double *x;                  /* points x 4: positions of the last local step, relative volume */
+    double *gradient;           /* particles x 4: grad C_i with respect to x_i, 1/m, and 0 */
     double *vector;     /* particles x 4: input of a pass; of a sample then minus the rate of its
                            relative volume */
     double *growth;     /* samples x 9: gradient of the relative volume of a sample with respect to
