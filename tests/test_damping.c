@@ -130,9 +130,8 @@ static void test_balance(void **state) {
         struct batch *damper = sim->objective.batch[1];
         for (int k = 0; k < 75; k++) sim->x[k] += 0.05 * test_random(&seed);
         const struct batch_step step = {.length = 0.01, .h = 0.01};
-        assert_int_equal(batch_open(damper, sim->x, sim->v, &step), PDYN_OK);
-        batch_set_damper_rest(damper, sim->x, NULL);
-        batch_begin(damper, sim->x, sim->v);
+        const struct step_start start = {sim->x, sim->v, NULL, sim->x, sim->v};
+        assert_int_equal(batch_begin(damper, &start, &step), PDYN_OK);
         for (int k = 0; k < 75; k++) y[k] = sim->x[k] + 0.05 * test_random(&seed);
         double gradient[76] = {0};
         assert_int_equal(batch_local(damper, y, 0.0, gradient), PDYN_OK);
@@ -165,8 +164,9 @@ static void test_vanishing(void **state) {
         double at_one_place[76] = {0};
         uint64_t seed = 17;
         for (int k = 0; k < 75; k++) sim->x[k] += 0.05 * test_random(&seed);
-        damper->view.extrapolation = 0.5;
-        batch_set_damper_rest(damper, at_one_place, sim->x);
+        const struct batch_step step = {.length = 0.01, .extrapolation = 0.5, .h = 0.01};
+        const struct step_start start = {at_one_place, sim->v, sim->x, at_one_place, sim->v};
+        assert_int_equal(batch_begin(damper, &start, &step), PDYN_OK);
         for (int e = 0; e < damper->view.elements; e++)
             assert_true(((const double *)damper->view.data)[e] == 0.0);
         pdyn_free(sim);

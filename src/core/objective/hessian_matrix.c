@@ -30,7 +30,7 @@ pdyn_status hessian_matrix_create(struct hessian_matrix *c, struct objective *ob
 /* Local steps of the replicas at the x of the last local step. */
 static pdyn_status update_replicas(struct hessian_matrix *c, bool lists_moved) {
     struct objective *objective = c->objective;
-    if (!objective->dynamic_rows) return PDYN_OK;
+    if (!objective->dynamic) return PDYN_OK;
     if (lists_moved) free_replicas(c);
     for (int b = 0; b < objective->batches; b++) {
         const struct batch *from = objective->batch[b];
@@ -47,17 +47,17 @@ static pdyn_status update_replicas(struct hessian_matrix *c, bool lists_moved) {
 pdyn_status hessian_matrix_update(struct hessian_matrix *c, bool *pattern, bool *values) {
     struct objective *objective = c->objective;
     int dim = objective->eps < 1.0 ? 3 : 1;
-    bool moved = objective->dynamic_rows && c->lists != objective->lists;
+    bool moved = objective->dynamic && c->lists_revision != objective->lists_revision;
     *pattern =
         c->matrix.dim != dim || (moved && dim == 3) || c->revision != objective_revision(objective);
-    *values =
-        *pattern || moved || dim == 3 || c->h != objective->h || c->weights != objective->weights;
+    *values = *pattern || moved || dim == 3 || c->h != objective->h ||
+              c->weights_revision != objective->weights_revision;
     if (!*values) return PDYN_OK;
     pdyn_status status = update_replicas(c, moved);
     if (status == PDYN_OK && *pattern) status = matrix_pattern(&c->matrix, objective, c->rows, dim);
     if (status != PDYN_OK) return status;
     matrix_values(&c->matrix, objective, c->rows, true);
-    c->h = objective->h, c->weights = objective->weights;
-    c->lists = objective->lists, c->revision = objective_revision(objective);
+    c->h = objective->h, c->weights_revision = objective->weights_revision;
+    c->lists_revision = objective->lists_revision, c->revision = objective_revision(objective);
     return PDYN_OK;
 }

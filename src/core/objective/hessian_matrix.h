@@ -12,10 +12,10 @@ struct hessian_matrix {
     struct batch **rows; /* batches: the batch itself, or the replica of a matrix-free one */
     double *unused;      /* particles x 3: gradients of replicas */
     struct matrix matrix;
-    unsigned lists;    /* revision of the neighbour lists, */
-    unsigned revision; /* and of the rows, that the pattern belongs to */
-    double h;          /* s: length of the step, */
-    unsigned weights;  /* and counter of weights, that the values belong to; h = 0: none */
+    unsigned lists_revision;   /* of the neighbour lists, */
+    unsigned revision;         /* and of the rows, that the pattern belongs to */
+    double h;                  /* s: length of the step, */
+    unsigned weights_revision; /* and of weights, that the values belong to; h = 0: none */
 };
 
 pdyn_status hessian_matrix_create(struct hessian_matrix *hessian, struct objective *objective);

@@ -87,7 +87,7 @@ pdyn_status objective_share_lists(struct objective *o) {
     if (o->samples) samples_update_active(o->samples, view);
     for (int b = 0; status == PDYN_OK && b < o->batches; b++)
         status = batch_neighbours(o->batch[b], view);
-    o->lists = view->revision;
+    o->lists_revision = view->revision;
     return status;
 }
 
@@ -151,15 +151,14 @@ pdyn_status objective_limit(struct objective *o, const double *x, double *max_st
 
 pdyn_status objective_begin(struct objective *o, const struct step_start *start) {
     const struct batch_step step = {o->length, o->extrapolation, o->h, o->time};
-    bool weights = false;
-    for (int b = 0; b < o->batches; b++) {
-        pdyn_status status = batch_open(o->batch[b], start->x, start->v, &step);
-        if (status != PDYN_OK) return status;
-        batch_set_damper_rest(o->batch[b], start->x, start->x_before);
-        weights |= batch_begin(o->batch[b], start->x_base, start->v_base);
+    pdyn_status status = PDYN_OK;
+    bool weights_change = false; /* even where h does not */
+    for (int b = 0; status == PDYN_OK && b < o->batches; b++) {
+        status = batch_begin(o->batch[b], start, &step);
+        weights_change |= o->batch[b]->type->begin && !o->batch[b]->damper;
     }
-    o->weights += weights;
-    return PDYN_OK;
+    o->weights_revision += weights_change;
+    return status;
 }
 
 pdyn_status objective_end(struct objective *o) {

@@ -32,31 +32,38 @@ struct objective_body { /* for the residual of a step (residual.h) */
 
 struct objective {
     pdyn_context *context;
-    int particles;
+    int particles, bodies;
+    struct objective_body *body; /* bodies, by first particle; together they have all particles */
+
+    /* The step. */
     double *mass;          /* particles, kg */
     const double *inertia; /* particles, kg: mass, or more where a particle moves as given */
     double *s;             /* the inertial prediction, m */
-    double h;              /* s, effective length h_e of the current step (step/integrator.h) */
-    double length;         /* s, of the current step */
+    double h;              /* s, effective length h_e (step/integrator.h) */
+    double length;         /* s */
     double extrapolation;  /* its base is x^ = x_n + extrapolation (x_n - x_(n-1)) */
-    unsigned weights;      /* counter of changes of weights for another reason than h */
-    double time;           /* s, at the end of the step */
+    double time;           /* s, at its end */
     const double *x;       /* of the last local step */
     double eps;            /* damping of the current linearisation: 0 newton, 1 projective */
+
+    /* Constraints. */
     int batches, capacity;
-    struct batch **batch;            /* capacity */
-    struct contact *contact;         /* NULL in a scene without contact */
-    struct batch *barrier;           /* of contact: element e acts on contact e of `current` */
-    struct batch *dashpots;          /* on dashpot e; NULL without bearings */
-    struct batch *friction;          /* on contact e of `start`; NULL without friction */
-    struct wet_sides *wet_sides;     /* NULL where no surface has friction with a fluid */
+    struct batch **batch;        /* capacity */
+    struct contact *contact;     /* NULL in a scene without contact */
+    struct batch *barrier;       /* of contact: element e acts on contact e of `current` */
+    struct batch *dashpots;      /* on dashpot e; NULL without bearings */
+    struct batch *friction;      /* on contact e of `start`; NULL without friction */
+    struct wet_sides *wet_sides; /* NULL where no surface has friction with a fluid */
+    bool dynamic;                /* some constraint changes from step to step (PDYN_DYNAMIC) */
+    unsigned weights_revision;   /* changes when weights do, for another reason than h */
+
+    /* What follows the particles. */
     struct neighbours *neighbours;   /* NULL where no constraint needs them */
+    unsigned lists_revision;         /* of the lists that batches have */
     struct surface_samples *samples; /* on surfaces, for SPH sums; NULL: none */
     struct rigid_map *rigid;         /* NULL in a scene without rigid bodies */
-    unsigned lists;                  /* revision of the neighbour lists */
-    bool dynamic_rows;               /* some batch changes its elements from step to step */
-    int bodies;
-    struct objective_body *body; /* bodies, by first particle; together they have all particles */
+
+    /* Scratch and measurements. */
     double *without_load; /* particles x 3, N: the gradient before a load (residual.c); NULL: no
                              loads */
     double *partial;      /* partial sums, one per block of PARTICLE_GRAIN particles */
@@ -77,12 +84,6 @@ static inline const pdyn_neighbours *objective_lists(const struct objective *o) 
 
 /* Makes a batch, the last one of the objective, which has the capacity for it. */
 pdyn_status objective_add_batch(struct objective *objective, const struct batch_def *def);
-
-struct step_start { /* where a step begins; all particles x 3, m and m/s */
-    const double *x, *v;
-    const double *x_before;        /* x of the step before; NULL: none */
-    const double *x_base, *v_base; /* of step/integrator.h */
-};
 
 /* Begins a step of effective length h: updates elements that come and go from step to step, rest
  * shapes of dampers, and weights. */

@@ -205,7 +205,7 @@ pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bo
                                .particles = o->particles,
                                .mass = o->inertia,
                                .newton = newton,
-                               .dynamic = o->dynamic_rows,
+                               .dynamic = o->dynamic,
                                .in_rows = view->in_rows,
                                .elements_count = count_batches(o, batch_is_static),
                                .one_sided_count = count_batches(o, is_matrix_free),

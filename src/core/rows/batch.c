@@ -33,22 +33,17 @@ static bool updates_always(const struct batch *b) {
     return b->type->update && b->type->flags & PDYN_EVERY_ITERATION;
 }
 
-pdyn_status batch_open(struct batch *b, const double *x, const double *v,
-                       const struct batch_step *step) {
+pdyn_status batch_begin(struct batch *b, const struct step_start *start,
+                        const struct batch_step *step) {
+    pdyn_status status = PDYN_OK;
     b->view.h = step->h, b->view.time = step->time;
     b->view.length = step->length, b->view.extrapolation = step->extrapolation;
     if (b->op && b->type->matrix_free->begin) b->type->matrix_free->begin(b->op, step->length);
-    return b->type->update && !updates_always(b) ? batch_update(b, x, v) : PDYN_OK;
-}
-
-void batch_set_damper_rest(struct batch *b, const double *x, const double *before) {
-    if (b->damper) rows_set_damper_rest(b, x, before);
-}
-
-bool batch_begin(struct batch *b, const double *x, const double *v) {
-    batch_weigh(b, b->view.h);
-    if (!b->damper && b->type->begin) rows_begin(b, x, v);
-    return !b->damper && b->type->begin;
+    if (b->type->update && !updates_always(b)) status = batch_update(b, start->x, start->v);
+    if (status != PDYN_OK) return status;
+    if (b->damper) rows_begin_damper(b, start->x, start->x_before);
+    else if (b->type->begin) rows_begin(b, start->x_base, start->v_base);
+    return PDYN_OK;
 }
 
 pdyn_status batch_local(struct batch *b, const double *x, double time, double *gradient) {

@@ -108,26 +108,22 @@ void batch_end(struct batch *batch);
 /* Gives each element the memory that the last step left to it. */
 void batch_recall(struct batch *batch);
 
+struct step_start { /* where a step begins; all particles x 3, m and m/s */
+    const double *x, *v;
+    const double *x_before;        /* x of the step before; NULL: none */
+    const double *x_base, *v_base; /* of step/integrator.h */
+};
+
 struct batch_step {               /* of the integrator, see pdyn_batch */
     double length, extrapolation; /* s; 1 */
     double h;                     /* s, effective length */
     double time;                  /* s, at its end */
 };
 
-/* A step begins with these three, in this order. First, at the state x, v (particles x 3), elements
- * that come and go from step to step are updated. */
-pdyn_status batch_open(struct batch *batch, const double *x, const double *v,
-                       const struct batch_step *step);
-
-/* Then a damper gets its rest shape, from the state x and x of the step before (NULL: none). Does
- * nothing for other batches. */
-void batch_set_damper_rest(struct batch *batch, const double *x, const double *before);
-/* Then the type's `begin` sets what changes from step to step, at the base x, v of the integrator,
- * and weights are set for the effective length of batch_open. Returns whether weights change even
- * where that does not. */
-bool batch_begin(struct batch *batch, const double *x, const double *v);
-/* Sets the weights of a damper for steps of length h, s; does nothing for other batches. */
-void batch_weigh(struct batch *batch, double h);
+/* Begins a step: at the state x, v, updates elements that come and go from step to step; then, at
+ * the base, calls the type's `begin`, or gives a damper its rest shape and weights. */
+pdyn_status batch_begin(struct batch *batch, const struct step_start *start,
+                        const struct batch_step *step);
 
 /* Gives an operator new neighbour lists. */
 pdyn_status batch_neighbours(struct batch *batch, const pdyn_neighbours *neighbours);

@@ -31,7 +31,7 @@ void batch_scatter(struct batch *b, double *y) { rows_for_particles(b, scatter_r
 
 /* flux = w (u - p) in row r; adds twice the energy of the row. size: of the loads, four numbers, or
  * three in the last element of a block, since the next one may be of another thread. */
-INLINE void pull_row(const struct batch *b, int r, double w, size_t size, v4 *energy) {
+INLINE void set_flux(const struct batch *b, int r, double w, size_t size, v4 *energy) {
     v4 u = {0}, p = {0}, f; /* fourth lanes are undefined */
     memcpy(&u, b->view.u + 3 * (size_t)r, size);
     memcpy(&p, b->view.p + 3 * (size_t)r, size);
@@ -41,20 +41,20 @@ INLINE void pull_row(const struct batch *b, int r, double w, size_t size, v4 *en
     memcpy(b->flux + 4 * (size_t)r, &f, sizeof f);
 }
 
-INLINE void pull_elements(struct batch *b, int first, int last, size_t size, v4 *energy) {
+INLINE void set_flux_of(struct batch *b, int first, int last, size_t size, v4 *energy) {
     const pdyn_batch *v = &b->view;
     for (int e = first; e < last; e++)
-        if (b->single) pull_row(b, e, v->weight[e], size, energy);
+        if (b->single) set_flux(b, e, v->weight[e], size, energy);
         else
             for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++)
-                pull_row(b, r, v->weight[e], size, energy);
+                set_flux(b, r, v->weight[e], size, energy);
 }
 
 /* flux of the elements [first, last). Returns their energy w/2 |u - p|^2. */
-WIDE static double pull_rows(struct batch *b, int first, int last) {
+WIDE static double compute_flux(struct batch *b, int first, int last) {
     v4 energy = {0};
-    pull_elements(b, first, last - 1, sizeof energy, &energy);
-    if (first < last) pull_elements(b, last - 1, last, 3 * sizeof(double), &energy);
+    set_flux_of(b, first, last - 1, sizeof energy, &energy);
+    if (first < last) set_flux_of(b, last - 1, last, 3 * sizeof(double), &energy);
     return 0.5 * (energy[0] + energy[1] + energy[2]);
 }
 
@@ -68,7 +68,7 @@ static void project_rows(void *arg, int first, int last, int block) {
         end = last - e > ROWS_PIECE ? e + ROWS_PIECE : last;
         gather_rows(b, v->element_row[e], v->element_row[end], c->in);
         b->type->project(b->params, v, e, end);
-        double squares = pull_rows(b, e, end);
+        double squares = compute_flux(b, e, end);
         energy += b->type->energy && !b->off ? b->type->energy(b->params, v, e, end) : squares;
     }
     b->partial[block] = energy;
@@ -96,7 +96,7 @@ static double extrapolate(double value, double before, double part) {
 /* in: x; out: x of the step before; number: extrapolation of the integrator. Rest shapes are
  * extrapolated, not positions: the extrapolated positions of a rotating element are too long, and a
  * stiff damper would give them energy in every step. */
-static void set_damper_rows(void *arg, int first, int last, int block) {
+static void set_damper_rest(void *arg, int first, int last, int block) {
     (void)block;
     const struct row_loop *c = arg;
     struct batch *b = c->batch;
@@ -115,17 +115,14 @@ static void set_damper_rows(void *arg, int first, int last, int block) {
     }
 }
 
-static void weigh_rows(void *arg, int first, int last, int block) {
+/* number: effective length of the step */
+static void weigh_damper(void *arg, int first, int last, int block) {
     (void)block;
     const struct row_loop *c = arg;
     struct batch *b = c->batch;
     double part = b->type->damping(b->params) / c->number;
     rows_weigh(b, first, last);
     for (int e = first; e < last; e++) b->view.weight[e] *= part;
-}
-
-void batch_weigh(struct batch *b, double h) {
-    if (b->damper) rows_for(b, b->view.elements, b->grain, weigh_rows, NULL, NULL, h);
 }
 
 /* in: x; out: v */
@@ -142,9 +139,10 @@ static void begin_rows(void *arg, int first, int last, int block) {
     rows_weigh(b, first, last);
 }
 
-void rows_set_damper_rest(struct batch *b, const double *x, const double *before) {
-    rows_for(b, b->view.elements, b->grain, set_damper_rows, x, (double *)before,
+void rows_begin_damper(struct batch *b, const double *x, const double *before) {
+    rows_for(b, b->view.elements, b->grain, set_damper_rest, x, (double *)before,
              b->view.extrapolation);
+    rows_for(b, b->view.elements, b->grain, weigh_damper, NULL, NULL, b->view.h);
 }
 
 void rows_begin(struct batch *b, const double *x, const double *v) {

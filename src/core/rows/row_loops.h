@@ -52,8 +52,8 @@ INLINE void gather_row(const struct batch *b, int r, const double *x, v4 *u) {
 
 /* row_local.c: u, p and the flux w (u - p) of all rows at x. Returns their energy, J. */
 double rows_project(struct batch *batch, const double *x);
-/* The rest shape of a damper in a step from x; before: x of the step before, NULL: none. */
-void rows_set_damper_rest(struct batch *batch, const double *x, const double *before);
+/* Rest shape and weights of a damper in a step from x; before: x of the step before, NULL: none. */
+void rows_begin_damper(struct batch *batch, const double *x, const double *before);
 /* Begins a step at x and v: weights of a type with `begin`. */
 void rows_begin(struct batch *batch, const double *x, const double *v);
 

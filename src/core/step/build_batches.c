@@ -19,7 +19,7 @@ static pdyn_status add_constraint(struct pdyn_sim *sim, const pdyn_body *body,
     sim->constraint[sim->constraints++] = c;
     if (c->type->matrix_free)
         objective->batch[objective->batches - 1]->samples = objective->samples;
-    objective->dynamic_rows |= c->type->matrix_free || c->type->update;
+    objective->dynamic |= c->type->matrix_free || c->type->update;
     return batch_join_rows(objective->batch[objective->batches - 1]);
 }
 
@@ -47,7 +47,7 @@ static pdyn_status add_each(struct pdyn_sim *sim, add_fn *add) {
  * NULL. */
 static pdyn_status add_own(struct objective *objective, const pdyn_constraint_type *type,
                            const pdyn_body *body, struct batch **out) {
-    objective->dynamic_rows = true;
+    objective->dynamic = true;
     pdyn_status status =
         objective_add_batch(objective, &(struct batch_def){.type = type, .body = body});
     if (status == PDYN_OK && out) *out = objective->batch[objective->batches - 1];

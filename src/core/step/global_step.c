@@ -30,7 +30,7 @@ static const double first_reduction = 0.1;
 
 static pdyn_stop stop_of(struct pdyn_sim *sim, bool first_of_step) {
     const struct scene_settings *settings = &sim->scene.settings;
-    bool whole = sim->objective.dynamic_rows || !settings->newton;
+    bool whole = sim->objective.dynamic || !settings->newton;
     /* reaches the step's tolerance, to first order */
     double enough = 0.5 * settings->tolerance / objective_norm(&sim->objective, sim->gradient);
     if (first_of_step && !solves_fluid_alone(sim)) enough = fmin(enough, first_reduction);
@@ -76,7 +76,7 @@ static pdyn_status solve_rounds(struct pdyn_sim *sim, const pdyn_stop *stop, int
     const struct round at = {sim->rhs, sim->trial, sim->trial_gradient};
     double size = objective_norm(objective, at.b), target = stop->rel_tol * size;
     for (int n = 0; n < MAX_ROUNDS && size > target && *iterations < stop->max_iterations; n++) {
-        double aim = objective->dynamic_rows ? fmax(target, round_tolerance * size) : target;
+        double aim = objective->dynamic ? fmax(target, round_tolerance * size) : target;
         pdyn_stop part = *stop;
         part.rel_tol = aim / size, part.max_iterations -= *iterations;
         part.first_of_step = stop->first_of_step && n == 0;

@@ -34,7 +34,7 @@ static void set_pusher(struct pdyn_sim *sim, int i, int pusher) {
     p->pushed += (pusher != 0) - (p->pusher[i] != 0);
     p->pusher[i] = pusher;
     p->inertia[i] = (pusher ? pushed_inertia : 1.0) * sim->objective.mass[i];
-    sim->objective.weights++;
+    sim->objective.weights_revision++;
     if (any != (p->pushed > 0)) control_find_anchored(sim);
 }
 
@@ -218,10 +218,10 @@ double inlets_top_speed(const struct pdyn_sim *sim, double h) {
 }
 
 bool inlets_step(struct pdyn_sim *sim) {
-    unsigned before = sim->objective.weights;
+    unsigned before = sim->objective.weights_revision;
     put_back(sim);
     enter_due_layers(sim);
-    return sim->objective.weights != before;
+    return sim->objective.weights_revision != before;
 }
 
 /* ---- creation, saving ------------------------------------------------------------------------ */

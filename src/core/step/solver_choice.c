@@ -75,7 +75,7 @@ static pdyn_status find_solver(struct pdyn_sim *sim, const char *name,
 }
 
 void solver_choice_warn(struct pdyn_sim *sim) {
-    bool newton = sim->scene.settings.newton, dynamic = sim->objective.dynamic_rows;
+    bool newton = sim->scene.settings.newton, dynamic = sim->objective.dynamic;
     if (!sim->solver->direct || !(dynamic || newton)) return;
     warnings_say(sim->context,
                  warnings_count(&sim->warnings, WARNING_FACTOR, sim->solver->name, 0.0, 1, 0.0),
