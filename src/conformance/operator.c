@@ -128,7 +128,8 @@ void check_model(struct check *check, struct trial *t) {
         memcpy(t->y, t->z, (size_t)t->n * sizeof *t->y);
         batch_set_direction(t->batch, t->w);
         double from = batch_slope(t->batch, 0.0, &unused), to = batch_slope(t->batch, 1.0, &unused);
-        int changed = batch_step_along(t->batch, 1.0, t->y);
+        int changed = batch_count_side_changes(t->batch);
+        batch_step_along(t->batch, 1.0, t->y);
         if (!(fabs(trial_dot(t->w, t->y, t->n) - (to - from)) <= 1e-9 * (fabs(from) + fabs(to))))
             fault(check, "the operator's rate and force do not belong to one gradient");
         if (!changed && differ(t->y, t->z, t->n, 1e-6))

@@ -230,9 +230,9 @@ void objective_set_direction(struct objective *o, const double *u) {
 }
 
 int objective_count_side_changes(struct objective *o) {
-    int turns = 0;
-    for (int b = 0; b < o->batches; b++) turns += batch_count_side_changes(o->batch[b]);
-    return turns;
+    int changes = 0;
+    for (int b = 0; b < o->batches; b++) changes += batch_count_side_changes(o->batch[b]);
+    return changes;
 }
 
 static double sides_slope(struct objective *o, double t, double *curvature) {

@@ -121,11 +121,10 @@ double batch_slope(struct batch *b, double t, double *curvature) {
     return b->op ? one_sided_slope(&b->one_sided, b->eps, t, curvature) : 0.0;
 }
 
-int batch_step_along(struct batch *b, double t, double *y) {
-    if (!b->op) return 0;
-    int changed = one_sided_step_along(&b->one_sided, b->eps, t, begin_output(b, y));
+void batch_step_along(struct batch *b, double t, double *y) {
+    if (!b->op) return;
+    one_sided_step_along(&b->one_sided, b->eps, t, begin_output(b, y));
     end_output(b, y);
-    return changed;
 }
 
 typedef void one_sided_diagonal_fn(struct one_sided *s, double eps, double *blocks);

@@ -191,7 +191,7 @@ void batch_force(struct batch *batch, const double *multiplier, double *y);
 void batch_set_direction(struct batch *batch, const double *u);
 int batch_count_side_changes(struct batch *batch);
 double batch_slope(struct batch *batch, double t, double *curvature);
-int batch_step_along(struct batch *batch, double t, double *y);
+void batch_step_along(struct batch *batch, double t, double *y);
 
 /* Adds the 3 x 3 block diagonal of G' B G, packed xx xy xz yy yz zz, particles x 6. */
 void batch_diagonal(struct batch *batch, double *blocks);

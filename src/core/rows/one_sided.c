@@ -53,7 +53,7 @@ static int sum_counts(const struct one_sided *s) {
     return (int)sum;
 }
 
-static void take_sides(void *arg, int first, int last, int block) {
+static void set_sides(void *arg, int first, int last, int block) {
     (void)block;
     struct one_sided *s = ((const struct call *)arg)->s;
     for (int i = first; i < last; i++) {
@@ -66,7 +66,7 @@ static void take_sides(void *arg, int first, int last, int block) {
 pdyn_status one_sided_begin(struct one_sided *s) {
     s->at = s->op->one_sided(s->self);
     pdyn_status status = reserve(s, s->at.count);
-    if (status == PDYN_OK) for_all(s, s->at.count, take_sides, NULL, NULL, 0.0, 0.0);
+    if (status == PDYN_OK) for_all(s, s->at.count, set_sides, NULL, NULL, 0.0, 0.0);
     return status;
 }
 
@@ -135,15 +135,15 @@ static bool acts_at(const struct one_sided *s, int i, double t) {
     return s->possible[i] && s->reached[i] + t * s->rate[i] > 0.0;
 }
 
-static void count_turns(void *arg, int first, int last, int block) {
+static void count_changes(void *arg, int first, int last, int block) {
     const struct call *c = arg;
-    double turns = 0.0;
-    for (int i = first; i < last; i++) turns += acts_at(c->s, i, c->t) != c->s->acts[i];
-    c->s->partial[block] = turns;
+    double changes = 0.0;
+    for (int i = first; i < last; i++) changes += acts_at(c->s, i, c->t) != c->s->acts[i];
+    c->s->partial[block] = changes;
 }
 
 int one_sided_count_side_changes(struct one_sided *s) {
-    for_all(s, s->at.count, count_turns, NULL, NULL, 0.0, 1.0);
+    for_all(s, s->at.count, count_changes, NULL, NULL, 0.0, 1.0);
     return sum_counts(s);
 }
 
@@ -170,26 +170,22 @@ double one_sided_slope(struct one_sided *s, double eps, double t, double *curvat
 }
 
 static void change_sides(void *arg, int first, int last, int block) {
+    (void)block;
     const struct call *c = arg;
     struct one_sided *s = c->s;
-    double changed = 0.0;
     for (int i = first; i < last; i++) {
         double to = s->reached[i] + c->t * s->rate[i];
-        bool acts = acts_at(s, i, c->t);
         double beyond = fmax(0.0, to) - (s->acts[i] ? to : 0.0);
         s->multiplier[i] = (1.0 - c->eps) * s->at.stiffness[i] * beyond;
-        changed += acts != s->acts[i];
-        s->reached[i] = to, s->acts[i] = acts;
+        s->acts[i] = acts_at(s, i, c->t);
+        s->reached[i] = to;
     }
-    s->partial[block] = changed;
 }
 
-int one_sided_step_along(struct one_sided *s, double eps, double t, double *y) {
-    if (eps == 1.0) return 0;
+void one_sided_step_along(struct one_sided *s, double eps, double t, double *y) {
+    if (eps == 1.0) return;
     for_all(s, s->at.count, change_sides, NULL, NULL, eps, t);
-    int changed = sum_counts(s);
     s->op->force(s->self, s->multiplier, y);
-    return changed;
 }
 
 /* ---- impacts --------------------------------------------------------------------------------- */
@@ -198,7 +194,7 @@ static double force_of(const struct one_sided *s, int i) {
     return s->acts[i] ? s->at.stiffness[i] * s->at.value[i] : 0.0;
 }
 
-static void take_forces(void *arg, int first, int last, int block) {
+static void compute_forces(void *arg, int first, int last, int block) {
     (void)block;
     struct one_sided *s = ((const struct call *)arg)->s;
     for (int i = first; i < last; i++) s->multiplier[i] = force_of(s, i);
@@ -237,7 +233,7 @@ void one_sided_persist(struct one_sided *s, struct snapshot_file *snapshot) {
 }
 
 void one_sided_forces(struct one_sided *s, double *y) {
-    for_all(s, s->at.count, take_forces, NULL, NULL, 0.0, 0.0);
+    for_all(s, s->at.count, compute_forces, NULL, NULL, 0.0, 0.0);
     s->op->force(s->self, s->multiplier, y);
 }
 
@@ -251,6 +247,7 @@ void one_sided_rate_acceleration(struct one_sided *s, const double *acceleration
 
 struct impacts {
     struct one_sided *s;
+    const double *slowed, *acceleration; /* count: rates by one_sided_rate_... */
     double mass, h;
     bool comparable; /* with the forces of the step before: both steps are solved */
 };
@@ -264,23 +261,22 @@ static double risen_part(const struct impacts *c, int i, double force) {
     return c->comparable ? fmax(0.0, 1.0 - usual_rise * c->s->mean[i] / force) : 0.0;
 }
 
-/* Two estimates of the rate change that the force causes in a step: `reached`, by all forces of the
- * batch, which may cancel each other; and by this constraint alone, with the mass of a particle for
- * everything that it moves, also for light surfaces. The larger one is used.
- * Particles behind those that touch have no approach speed, but the force on them rises. For them
- * only the second estimate is used, because it does not depend on how the liquid is divided into
- * bodies. */
+/* Two estimates of the rate change that the force causes in a step: `acceleration`, by all forces
+ * of the batch, which may cancel each other; and by this constraint alone, with the mass of a
+ * particle for everything that it moves, also for light surfaces. The larger one is used. Particles
+ * behind those that touch have no approach speed, but the force on them rises. For them only the
+ * second estimate is used, because it does not depend on how the liquid is divided into bodies. */
 static double impact_of(const struct impacts *c, int i) {
     const struct one_sided *s = c->s;
     double value = s->at.value[i], force = force_of(s, i);
     if (force == 0.0) return 0.0;
     double alone = c->h * force * s->at.squares[i] / c->mass;
-    double change = fmax(c->h * s->reached[i], alone), rise = risen_part(c, i, force) * alone;
-    return fmax(impact_part(s->rate[i], change, c->h * change / value),
+    double change = fmax(c->h * c->acceleration[i], alone), rise = risen_part(c, i, force) * alone;
+    return fmax(impact_part(c->slowed[i], change, c->h * change / value),
                 impact_part(rise, alone, c->h * alone / value));
 }
 
-static void take_impacts(void *arg, int first, int last, int block) {
+static void compute_impacts(void *arg, int first, int last, int block) {
     const struct impacts *c = arg;
     struct one_sided *s = c->s;
     double count = 0.0;
@@ -293,8 +289,8 @@ static void take_impacts(void *arg, int first, int last, int block) {
 }
 
 int one_sided_impacts(struct one_sided *s, double mass, double h, bool solved, double *y) {
-    struct impacts impacts = {s, mass, h, solved && s->means == s->at.count};
-    pool_for(s->context->pool, s->at.count, GRAIN, take_impacts, &impacts);
+    struct impacts impacts = {s, s->rate, s->reached, mass, h, solved && s->means == s->at.count};
+    pool_for(s->context->pool, s->at.count, GRAIN, compute_impacts, &impacts);
     s->op->force(s->self, s->multiplier, y);
     return sum_counts(s);
 }

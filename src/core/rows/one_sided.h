@@ -18,8 +18,8 @@ struct one_sided {
     void *self; /* the operator's state */
     int particles, capacity;
     pdyn_one_sided at; /* the x of the last local step */
-    double *reached;   /* count: C_i + grad C_i . d */
-    double *rate;      /* count: grad C_i . u for the search direction u */
+    double *reached;   /* count: C_i + grad C_i . d; at impacts one_sided_rate_acceleration */
+    double *rate;      /* count: grad C_i . u, u: the search direction, or one_sided_rate_slowed */
     double *mean; /* means: multipliers of the mean forces of the last step: without those parts
                      of impacts that the integrator left out */
     int means;    /* the count of the last step; 0: that step was not solved */
@@ -49,8 +49,8 @@ int one_sided_count_side_changes(struct one_sided *s);
  * second. */
 double one_sided_slope(struct one_sided *s, double eps, double t, double *curvature);
 /* d += t u. Adds to y the change of the gradient that t times the product of one_sided_apply does
- * not contain, because constraints change sides. Returns the number of those. */
-int one_sided_step_along(struct one_sided *s, double eps, double t, double *y);
+ * not contain, because constraints change sides. */
+void one_sided_step_along(struct one_sided *s, double eps, double t, double *y);
 
 /* The part of a force, 0 to 1, that is an impact: the part of its impulse that stopped an approach,
  * or by which it rose suddenly, times a factor that is near 1 if the step is too long to resolve

@@ -18,7 +18,7 @@ static double yield_of(const struct velocity_change *change, int particle) {
 /* Replaces the flux of each row by its impact part. As in one_sided.c, the change of velocity is
  * the larger of two: by this row alone, and by all rows, because the contacts of a point share the
  * force that stops it. */
-static void take_impacts(void *arg, int first, int last, int block) {
+static void compute_impacts(void *arg, int first, int last, int block) {
     const struct impacts *c = arg;
     struct batch *b = c->batch;
     const pdyn_batch *v = &b->view;
@@ -79,7 +79,7 @@ int rows_impacts(struct batch *b, const struct velocity_change *change, const do
                  double *force) {
     struct impacts impacts = {b, change, acceleration};
     double count = 0.0;
-    pool_for(b->context->pool, b->view.elements, b->grain, take_impacts, &impacts);
+    pool_for(b->context->pool, b->view.elements, b->grain, compute_impacts, &impacts);
     for (int k = 0; k < pool_blocks(b->view.elements, b->grain); k++) count += b->partial[k];
     batch_scatter(b, force);
     return (int)count;
