@@ -15,7 +15,8 @@
  * Multipliers are kept from step to step, so that a fluid at rest starts at its solution. They
  * satisfy the equation of motion exactly, however early the iteration ends; what remains is an
  * error of the constraints. In the unknowns x (cg.c) it is the other way round: the error of a
- * stiff constraint is a large force.
+ * stiff constraint is a large force. Only the displacement d leaves the solver: frames and reports
+ * have the pressure k max(0, C) of the last iterate, not lambda.
  *
  * Bounds: multipliers may become negative during the iteration, up to a share of the step. Beyond
  * it they are clipped, and conjugate directions start again. */

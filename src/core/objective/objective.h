@@ -147,7 +147,8 @@ double objective_line_minimum(struct objective *objective, double descent, doubl
 /* d += t u. y: H u with the sides at d; becomes the change of the model's gradient. */
 void objective_step_along(struct objective *objective, double t, double *y);
 
-/* The 3 x 3 block diagonal of a part of H, packed xx xy xz yy yz zz: particles x 6. */
+/* The 3 x 3 block diagonal of a part of H, packed xx xy xz yy yz zz: particles x 6. That of the
+ * whole H also completes the matrix of rigid bodies, for rigid_matrix_solve. */
 void objective_diagonal(struct objective *objective, pdyn_part part, double *blocks);
 
 /* a . b, the same bits for any number of threads. */
