@@ -1,3 +1,4 @@
+/* Multipliers of the solver "dual": loops over all constraints, memory and saved state. */
 #include "multipliers.h"
 
 #include "memory.h"

@@ -1,3 +1,4 @@
+/* E, its gradient and products with H: inertia, by loops over particles, then all batches. */
 #include "objective.h"
 
 #include "base/clock.h"

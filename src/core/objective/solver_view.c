@@ -1,3 +1,5 @@
+/* The callbacks of pdyn_model that a solver gets, each one a call of the objective; and the
+ * remainder, the model without one-sided constraints. */
 #include "solver_view.h"
 
 #include <string.h>

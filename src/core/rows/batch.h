@@ -1,7 +1,10 @@
 /* A batch: one constraint type on one body. Both tiers of module.h have the same interface here:
  * local step, product with the batch's part of the Hessian, and block diagonal of that part. For
  * the rows tier they are computed from the type's callbacks, for the operator tier by its operator.
- */
+ *
+ * batch.c has the functions, but for those that create, refresh and free a batch (batch_build.c),
+ * of elements that come and go (dynamic_rows.c), batch_scatter (row_local.c) and batch_block
+ * (row_tangent.c). */
 #ifndef PDYN_BATCH_H
 #define PDYN_BATCH_H
 

@@ -1,3 +1,4 @@
+/* Rows with p = 0 and J = 0, added up to one constant matrix: products, energy and construction. */
 #include "linear_rows.h"
 
 #include "batch.h"

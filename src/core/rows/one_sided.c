@@ -1,3 +1,5 @@
+/* One-sided constraints of an operator: sides, products with H, the model along a direction, and
+ * impacts. */
 #include "one_sided.h"
 
 #include "projdyn/vec3.h"

@@ -1,3 +1,4 @@
+/* Rigid bodies: poses, the extension of vectors to vertices, its transpose, and construction. */
 #include "rigid_map.h"
 
 #include "projdyn/svd3.h"

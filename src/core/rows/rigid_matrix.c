@@ -1,3 +1,4 @@
+/* The matrix of the motions of rigid bodies: blocks from H, its factor, and the solve. */
 #include "rigid_matrix.h"
 
 #include "projdyn/vec3.h"

@@ -1,3 +1,5 @@
+/* Arrays of the rows of a batch, checks of what a type writes into them, and the index by
+ * particles. */
 #include "row_arrays.h"
 
 #include "base/registry.h"

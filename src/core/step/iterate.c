@@ -1,3 +1,4 @@
+/* What every move of an iterate obeys: largest displacements, and rigid bodies that stay rigid. */
 #include "iterate.h"
 
 #include "projdyn/vec3.h"

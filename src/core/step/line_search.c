@@ -1,3 +1,5 @@
+/* The line search of an iteration: backtracking from the whole direction, conditions of acceptance,
+ * and steps longer than the direction. */
 #include "line_search.h"
 
 #include "iterate.h"

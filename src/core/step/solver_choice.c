@@ -1,3 +1,4 @@
+/* The solvers of a simulation: the best bids, and trials of the other one from step to step. */
 #include "solver_choice.h"
 
 #include "base/registry.h"

@@ -1,3 +1,5 @@
+/* The first iterate of a step: s, or nearer to the state where surfaces are in the way, or s with
+ * the constraints' acceleration of the last step. */
 #include "start_point.h"
 
 #include "carried.h"
