@@ -127,7 +127,7 @@ static void add_force(struct dual *s, const double *multiplier, double *y) {
 static void compute_rate(struct dual *s, const double *u) {
     for (int k = 0; k < s->parts; k++) {
         int first = s->part[k].first;
-        s->model->rate(s->model, k, s->m.in + first, u, s->m.q + first);
+        s->model->rate(s->model, k, s->m.in_solve + first, u, s->m.q + first);
     }
 }
 

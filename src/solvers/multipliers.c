@@ -31,7 +31,7 @@ static bool resize_arrays(struct multipliers *m, bool allocate) {
         {(void **)&m->p, count * sizeof *m->p},
         {(void **)&m->q, count * sizeof *m->q},
         {(void **)&m->inverse, count * sizeof *m->inverse},
-        {(void **)&m->in, count * sizeof *m->in},
+        {(void **)&m->in_solve, count * sizeof *m->in_solve},
         {(void **)&m->sums, sums * sizeof *m->sums},
     };
     bool good = true;
@@ -91,9 +91,10 @@ static void start(void *arg, int first, int last, int block) {
         int i = c->first + k, particle = c->body->first + (k < c->body->count ? k : 0);
         double w = c->scale * c->at->stiffness[k];
         m->value[i] = c->at->value[k], m->squares[i] = c->at->squares[k];
-        m->stiffness[i] = w, m->in[i] = w > 0.0;
-        if (!m->in[i]) m->lambda[i] = 0.0;
-        m->inverse[i] = m->in[i] ? 1.0 / (1.0 / w + c->mobility[particle] * m->squares[i]) : 0.0;
+        m->stiffness[i] = w, m->in_solve[i] = w > 0.0;
+        if (!m->in_solve[i]) m->lambda[i] = 0.0;
+        m->inverse[i] =
+            m->in_solve[i] ? 1.0 / (1.0 / w + c->mobility[particle] * m->squares[i]) : 0.0;
         m->p[i] = change_of(m, i);
     }
 }
@@ -109,8 +110,8 @@ static void compute_residual(void *arg, int first, int last, int block) {
     struct multipliers *m = ((const struct call *)arg)->m;
     for (int i = first; i < last; i++) {
         m->g[i] = m->value[i] + m->q[i];
-        if (m->in[i]) m->g[i] -= m->lambda[i] / m->stiffness[i];
-        m->in[i] = m->in[i] && (m->lambda[i] > 0.0 || m->g[i] > -max_room);
+        if (m->in_solve[i]) m->g[i] -= m->lambda[i] / m->stiffness[i];
+        m->in_solve[i] = m->in_solve[i] && (m->lambda[i] > 0.0 || m->g[i] > -max_room);
         m->p[i] = m->q[i] = 0.0;
     }
 }
@@ -122,7 +123,7 @@ static void advance(void *arg, int first, int last, int block) {
     struct multipliers *m = c->m;
     double beyond = 0.0, all = 0.0, gradient = 0.0, gz = 0.0;
     for (int i = first; i < last; i++) {
-        if (!m->in[i]) continue;
+        if (!m->in_solve[i]) continue;
         double step = c->scale * m->p[i], inverse = m->inverse[i];
         double l = m->lambda[i] += step, g = m->g[i] -= c->scale * m->q[i];
         if (l < 0.0) beyond += l * l / inverse;
@@ -146,7 +147,7 @@ static void update_direction(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct multipliers *m = c->m;
     for (int i = first; i < last; i++) {
-        bool allowed = m->in[i] && (m->lambda[i] != 0.0 || m->g[i] > 0.0);
+        bool allowed = m->in_solve[i] && (m->lambda[i] != 0.0 || m->g[i] > 0.0);
         m->p[i] = allowed ? m->g[i] * m->inverse[i] + c->scale * m->p[i] : 0.0;
     }
 }
@@ -159,7 +160,7 @@ static void add_compliance(void *arg, int first, int last, int block) {
     struct multipliers *m = ((const struct call *)arg)->m;
     double gp = 0.0, pq = 0.0;
     for (int i = first; i < last; i++) {
-        m->q[i] = m->in[i] ? m->p[i] / m->stiffness[i] - m->q[i] : 0.0;
+        m->q[i] = m->in_solve[i] ? m->p[i] / m->stiffness[i] - m->q[i] : 0.0;
         gp += m->g[i] * m->p[i], pq += m->p[i] * m->q[i];
     }
     m->sums[SUMS * block] = gp, m->sums[SUMS * block + 1] = pq;

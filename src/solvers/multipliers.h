@@ -17,7 +17,7 @@ struct multipliers {
     double *g;         /* count: C + G d - lambda / K: the residual */
     double *p, *q;     /* count: direction; S times it */
     double *inverse;   /* count: of S's diagonal D */
-    bool *in;          /* count: takes part in the solve */
+    bool *in_solve;    /* count: takes part in the solve */
     double *sums;      /* partial sums for each parallel block */
 };
 
