@@ -106,27 +106,28 @@ static double damping_at_start(const struct pdyn_sim *sim) {
  * last iterate, which becomes the state, not above the one before. */
 static double highest_energy(const struct pdyn_sim *sim, const struct progress *p) {
     bool last = p->outer + 1 == sim->scene.settings.outer_iterations;
-    return last ? p->energy : fmax(p->before, p->energy);
+    return last ? p->energy : fmax(p->energy_before, p->energy);
 }
 
 /* A global step and a line search. *moved is false where no step lowers E any more. */
 static pdyn_status iteration(struct pdyn_sim *sim, struct progress *p, bool *moved) {
     struct line_step taken = {0};
     double energy = p->energy;
-    bool first_solve = p->outer == 0 || sim->choice.fresh, first = sim->solver->dual && first_solve;
+    bool first_solve = p->outer == 0 || sim->choice.fresh;
+    bool inertial = sim->solver->dual && first_solve; /* the whole inertial step, with eps = 0 */
     sim->choice.fresh = false;
     pdyn_status status = iterate_update_limits(sim, sim->x_next);
     if (status == PDYN_OK)
-        status = global_step(sim, first ? 0.0 : sim->eps, first_solve, &p->linear);
+        status = global_step(sim, inertial ? 0.0 : sim->eps, first_solve, &p->linear);
     if (status == PDYN_OK && !(objective_norm(&sim->objective, sim->direction) > 0.0))
         status = check_tangents(sim);
     if (status == PDYN_OK) status = line_search(sim, highest_energy(sim, p), &p->energy, &taken);
-    p->before = energy;
+    p->energy_before = energy;
     if (status != PDYN_OK) return status;
-    *moved = first || taken.length > 0.0 || sim->eps < 1.0;
+    *moved = inertial || taken.length > 0.0 || sim->eps < 1.0;
     if (!sim->scene.settings.newton) return PDYN_OK;
     if (!sim->solver->dual) sim->eps = adapt_to_length(sim->eps, &taken);
-    else if (!first) sim->eps = adapt_to_slope(sim->eps, &taken);
+    else if (!inertial) sim->eps = adapt_to_slope(sim->eps, &taken);
     return PDYN_OK;
 }
 
@@ -172,7 +173,7 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
     measure_weights(sim);
     pdyn_status status = start_point(sim, &p->energy);
     sim->eps = damping_at_start(sim);
-    p->before = p->energy;
+    p->energy_before = p->energy;
     acceleration_start(&sim->acceleration);
     while (status == PDYN_OK) {
         p->residual = objective_residual(&sim->objective, sim->gradient);

@@ -5,11 +5,11 @@
 #include "sim.h"
 
 struct progress {
-    double energy;     /* at the iterate */
-    double residual;   /* the largest of all bodies there */
-    double before;     /* the energy an iteration earlier */
-    double rise;       /* J: velocities_measure_rise */
-    int outer, linear; /* iterations */
+    double energy;        /* J, at the iterate */
+    double energy_before; /* J, an iteration earlier */
+    double residual;      /* the largest of all bodies at the iterate */
+    double rise;          /* J: velocities_measure_rise */
+    int outer, linear;    /* iterations */
 };
 
 /* From s, in sim->x_next, to the minimum, as far as the scene's settings say. The last local step
