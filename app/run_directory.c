@@ -173,16 +173,15 @@ static int read_color(const struct run *run, const struct part *part, const json
                      part->name);
 }
 
-/* Whether the report has a constraint of type fluid on the body; true without a report. */
-static bool is_fluid(const struct run *run, const char *body) {
+bool run_has_constraint(const struct run *run, const char *body, const char *type) {
     json_t *list = json_object_get(run->report, "parameters"), *one;
     size_t k;
     json_array_foreach(list, k, one) {
-        const char *type = json_string_value(json_object_get(one, "type"));
+        const char *found = json_string_value(json_object_get(one, "type"));
         const char *on = json_string_value(json_object_get(one, "body"));
-        if (type && on && !strcmp(type, "fluid") && !strcmp(on, body)) return true;
+        if (found && on && !strcmp(found, type) && !strcmp(on, body)) return true;
     }
-    return !run->report;
+    return false;
 }
 
 static int open_skin(const struct run *run, struct part *part) {
@@ -200,7 +199,7 @@ static int open_body(struct run *run, int b) {
     if (!is_plain_name(part->name))
         return run_error("%s/%s: bodies[%d]: expected a \"name\" without '/'", run->directory,
                          run->source, b);
-    part->fluid = is_fluid(run, part->name);
+    part->fluid = !run->report || run_has_constraint(run, part->name, "fluid");
     if (json_is_true(json_object_get(entry, "rigid"))) part->shape = "rigid";
     int code = part_open_series(run, part);
     if (code == EXIT_GOOD) code = read_body_number(run, b, "radius_m", &part->radius);

@@ -3,6 +3,7 @@
 #include "app.h"
 #include "new_file.h"
 #include "run_directory.h"
+#include "usd_look.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -18,15 +19,23 @@ static const char usage[] =
     "and\n"
     "rigid bodies and solids as meshes, particles as points, fluids as meshes where `projdyn mesh "
     "DIR`\n"
-    "has made them for all frames; with velocities, and colours of the scene.\n"
+    "has made them for all frames; with velocities, and materials in the colours of the scene or,\n"
+    "without, of pictures.\n"
     "\n"
     "  -o, --output FILE  output file, .usda or .usd (default DIR/run.usda)\n"
     "  -h, --help         prints this text\n";
 
+enum {
+    PRIM_NAME = 128,            /* above the 64 characters that the name of a body has */
+    PRIM_SIZE = PRIM_NAME + 32, /* with room for the additions */
+};
+
 struct stage {
     FILE *file;
     const struct run *run;
-    double start, rate; /* time of the first frame, s; frames per second */
+    double start, rate;    /* time of the first frame, s; frames per second */
+    struct usd_look *look; /* of each part that has a prim */
+    char looks[PRIM_SIZE]; /* name of the prim that holds the materials */
 };
 
 /* ---- values ---------------------------------------------------------------------------------- */
@@ -97,22 +106,7 @@ static int put_samples(struct stage *stage, const struct part *part, const char 
     return code;
 }
 
-/* "#rrggbb", sRGB, as the linear colour of USD. */
-static void put_color(struct stage *stage, const struct part *part) {
-    double c[3];
-    long hex = part->color ? strtol(part->color + 1, NULL, 16) : 0;
-    if (!part->color) return;
-    for (int k = 0; k < 3; k++) {
-        double s = (double)(hex >> 8 * (2 - k) & 255) / 255.0;
-        c[k] = s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
-    }
-    fprintf(stage->file, "        color3f[] primvars:displayColor = [(%.4g, %.4g, %.4g)]\n", c[0],
-            c[1], c[2]);
-}
-
 /* ---- prims ----------------------------------------------------------------------------------- */
-
-enum { PRIM_NAME = 128 }; /* above the 64 characters that the name of a body has */
 
 /* Whether a part has this name. */
 static bool is_name_of_part(const struct run *run, const char *name) {
@@ -124,23 +118,40 @@ static bool is_name_of_part(const struct run *run, const char *name) {
 /* The name of the prim: letters, digits and '_' alone, and no digit first; one that has changed
  * gets the number of the part, and then '_' as long as a part has this name, so that it is unique.
  */
-static void begin_prim(struct stage *stage, const struct part *part, const char *type) {
-    char name[PRIM_NAME + 32]; /* room for the additions */
+static void make_name(const struct run *run, const struct part *part, char name[PRIM_SIZE]) {
     bool digit = isdigit((unsigned char)*part->name);
     int size = snprintf(name, PRIM_NAME, "%s%s", digit ? "_" : "", part->name);
     for (char *c = name; *c; c++)
         if (!isalnum((unsigned char)*c)) *c = '_';
     bool changed = strcmp(name, part->name) != 0;
-    if (changed) size += snprintf(name + size, 16, "_%d", (int)(part - stage->run->part));
-    while (changed && is_name_of_part(stage->run, name) && size < (int)sizeof name - 1)
+    if (changed) size += snprintf(name + size, 16, "_%d", (int)(part - run->part));
+    while (changed && is_name_of_part(run, name) && size < PRIM_SIZE - 1)
         name[size++] = '_', name[size] = 0;
-    fprintf(stage->file, "\n    def %s \"%s\"\n    {\n", type, name);
-    put_color(stage, part);
+}
+
+/* Begins a prim with its colour, for programs that read no materials, and its material. */
+static int begin_prim(struct stage *stage, const struct part *part, const char *type) {
+    char name[PRIM_SIZE];
+    struct usd_look *look = &stage->look[part - stage->run->part];
+    int code = usd_find_look(stage->run, part, look);
+    if (code != EXIT_GOOD) return code;
+    bool points = !strcmp(type, "Points");
+    if (points) look->opacity = 1.0;
+    make_name(stage->run, part, name);
+    fprintf(stage->file,
+            "\n    def %s \"%s\" (\n        prepend apiSchemas = [\"MaterialBindingAPI\"]\n    )\n"
+            "    {\n        rel material:binding = </run/%s/%s>\n"
+            "        color3f[] primvars:displayColor = [(%.4g, %.4g, %.4g)]\n"
+            "        float[] primvars:displayOpacity = [%g]\n",
+            type, name, stage->looks, name, look->color[0], look->color[1], look->color[2],
+            look->opacity);
+    if (look->two_sided && !points) fputs("        uniform bool doubleSided = 1\n", stage->file);
+    return EXIT_GOOD;
 }
 
 static int put_particles(struct stage *stage, const struct part *part) {
-    begin_prim(stage, part, "Points");
-    int code = put_samples(stage, part, "point3f[] points", put_points);
+    int code = begin_prim(stage, part, "Points");
+    if (code == EXIT_GOOD) code = put_samples(stage, part, "point3f[] points", put_points);
     if (code == EXIT_GOOD) code = put_samples(stage, part, "vector3f[] velocities", put_velocities);
     fprintf(stage->file,
             "        float[] widths = [%.7g] (\n            interpolation = \"constant\"\n        "
@@ -153,9 +164,9 @@ static int put_particles(struct stage *stage, const struct part *part) {
 static int put_mesh(struct stage *stage, const struct part *part, const struct part *surface) {
     int (*put)(struct stage *, const struct part *, const char *, put_fn *) =
         surface == part ? put_constant : put_samples;
-    begin_prim(stage, part, "Mesh");
+    int code = begin_prim(stage, part, "Mesh");
     fputs("        uniform token subdivisionScheme = \"none\"\n", stage->file);
-    int code = put(stage, surface, "int[] faceVertexCounts", put_counts);
+    if (code == EXIT_GOOD) code = put(stage, surface, "int[] faceVertexCounts", put_counts);
     if (code == EXIT_GOOD) code = put(stage, surface, "int[] faceVertexIndices", put_corners);
     if (code == EXIT_GOOD) code = put_samples(stage, surface, "point3f[] points", put_points);
     if (code == EXIT_GOOD && part->kind == BODY)
@@ -221,12 +232,44 @@ static int put_part(struct stage *stage, const struct part *part) {
     return part->radius > 0.0 ? put_particles(stage, part) : put_mesh(stage, part, part);
 }
 
+/* ---- materials ------------------------------------------------------------------------------- */
+
+static void put_material(FILE *file, const char *looks, const char *name,
+                         const struct usd_look *look) {
+    fprintf(file,
+            "\n        def Material \"%s\"\n        {\n"
+            "            token outputs:surface.connect = </run/%s/%s/surface.outputs:surface>\n"
+            "\n            def Shader \"surface\"\n            {\n"
+            "                uniform token info:id = \"UsdPreviewSurface\"\n"
+            "                color3f inputs:diffuseColor = (%.4g, %.4g, %.4g)\n"
+            "                float inputs:ior = %g\n"
+            "                float inputs:opacity = %g\n"
+            "                float inputs:roughness = %g\n"
+            "                token outputs:surface\n            }\n        }\n",
+            name, looks, name, look->color[0], look->color[1], look->color[2], look->ior,
+            look->opacity, look->roughness);
+}
+
+/* The materials of all prims, which have their names. */
+static void put_materials(struct stage *stage) {
+    fprintf(stage->file, "\n    def Scope \"%s\"\n    {", stage->looks);
+    for (int p = 0; p < stage->run->parts; p++) {
+        char name[PRIM_SIZE];
+        if (stage->run->part[p].kind == BOUNDARY) continue;
+        make_name(stage->run, &stage->run->part[p], name);
+        put_material(stage->file, stage->looks, name, &stage->look[p]);
+    }
+    fputs("    }\n", stage->file);
+}
+
 /* ---- the command ----------------------------------------------------------------------------- */
 
 static int put_stage(struct stage *stage) {
     const struct run *run = stage->run;
     const struct part *first = &run->part[0];
     int last = run->frames - 1, code = EXIT_GOOD;
+    strcpy(stage->looks, "Looks");
+    while (is_name_of_part(run, stage->looks)) strcat(stage->looks, "_");
     stage->start = part_time(first, 0);
     stage->rate = last ? 1.0 / (part_time(first, 1) - stage->start) : 24.0;
     fprintf(stage->file,
@@ -236,6 +279,7 @@ static int put_stage(struct stage *stage) {
             "\ndef Xform \"run\"\n{",
             pdyn_version(), last, stage->rate, stage->rate);
     for (int p = 0; p < run->parts && code == EXIT_GOOD; p++) code = put_part(stage, &run->part[p]);
+    if (code == EXIT_GOOD) put_materials(stage);
     fputs("}\n", stage->file);
     return code;
 }
@@ -255,9 +299,12 @@ static int write_stage(struct run *run, const char *path) {
     int code = check_ending(path);
     if (code == EXIT_GOOD) code = run_open(run);
     if (code != EXIT_GOOD) return code;
-    struct stage stage = {.file = new_file_open(path, &temporary), .run = run};
-    if (!stage.file) return report_write_error(path);
-    code = put_stage(&stage);
+    struct stage stage = {.run = run, .look = calloc((size_t)run->parts, sizeof *stage.look)};
+    if (!stage.look) return report_no_memory();
+    stage.file = new_file_open(path, &temporary);
+    code = stage.file ? put_stage(&stage) : report_write_error(path);
+    free(stage.look);
+    if (!stage.file) return code;
     bool written = new_file_close(stage.file, temporary, path, code == EXIT_GOOD);
     return code == EXIT_GOOD && !written ? report_write_error(path) : code;
 }

@@ -39,19 +39,40 @@ def numbers(text):
 
 
 def read_stage(text):
-    """{prim: {"type": ..., attribute: array, or {time code: array}}} and the entries of the head."""
+    """Entries of the head; {prim: {"type": ..., "material": path, attribute: array, or {time code: array}}}; materials
+    {path: {input: value}}."""
     head, rest = re.fullmatch(r"#usda 1\.0\n\(\n(.*?)\n\)\n\ndef Xform \"run\"\n\{(.*)\}\n", text, re.S).groups()
+    rest, looks, scope = re.fullmatch(r"(.*)\n    def Scope \"(\w+)\"\n    \{(.*)    \}\n", rest, re.S).groups()
     prims, found = {}, 0
-    for kind, name, body in re.findall(r"\n    def (\w+) \"(\w+)\"\n    \{\n(.*?)\n    \}\n", rest, re.S):
-        prim = prims[name] = {"type": kind}
+    for kind, name, body in re.findall(
+            r"\n    def (\w+) \"(\w+)\" \(\n        prepend apiSchemas = \[\"MaterialBindingAPI\"\]\n    \)\n    \{\n"
+            r"(.*?)\n    \}\n", rest, re.S):
+        prim = prims[name] = {"type": kind, "twoSided": "        uniform bool doubleSided = 1\n" in body}
         found += 1
+        prim["material"], = re.findall(r"^        rel material:binding = <(.*)>$", body, re.M)
         for key, array in re.findall(r"^        [\w\[\]]+ ([\w:]+) = \[(.*)\]", body, re.M):
             prim[key] = numbers(array)
         for key, samples in re.findall(r"^        [\w\[\]]+ (\w+)\.timeSamples = \{\n(.*?)\n        \}", body, re.M | re.S):
             prim[key] = {float(time): numbers(array)
                          for time, array in re.findall(r"^            (\S+): \[(.*)\],$", samples, re.M)}
     assert found == rest.count("def "), "a prim of another form"
-    return dict(line.strip().split(" = ") for line in head.split("\n")), prims
+    return dict(line.strip().split(" = ") for line in head.split("\n")), prims, read_materials(looks, scope)
+
+
+def read_materials(looks, scope):
+    """The materials of the prim `looks`, each with one shader."""
+    form = (r"\n        def Material \"(\w+)\"\n        \{\n"
+            r"            token outputs:surface\.connect = <(/run/\w+/\w+)/surface\.outputs:surface>\n\n"
+            r"            def Shader \"surface\"\n            \{\n"
+            r"                uniform token info:id = \"UsdPreviewSurface\"\n(.*?)"
+            r"                token outputs:surface\n            \}\n        \}\n")
+    assert not re.sub(form, "", scope, flags=re.S).strip(), "a material of another form"
+    materials = {}
+    for name, path, inputs in re.findall(form, scope, re.S):
+        assert path == f"/run/{looks}/{name}", path
+        materials[path] = {key: numbers(value) for key, value in
+                           re.findall(r"^                (?:color3f|float) inputs:(\w+) = (.*)$", inputs, re.M)}
+    return materials
 
 
 class Usd(unittest.TestCase):
@@ -84,26 +105,56 @@ class Usd(unittest.TestCase):
             np.testing.assert_allclose(values, of(mesh), rtol=1e-3, atol=1e-6)
 
     def test_head(self):
-        head, _ = self.stage("run/run.usda")
+        head, _, _ = self.stage("run/run.usda")
         self.assertEqual((head["upAxis"], head["metersPerUnit"], head["endTimeCode"]), ('"Y"', "1", "2"))
         self.assertAlmostEqual(float(head["timeCodesPerSecond"]), 1 / (self.times[1] - self.times[0]))
 
     def test_surface(self):
-        _, prims = self.stage("run/run.usda")
+        _, prims, _ = self.stage("run/run.usda")
         self.check_samples(prims["sheet"]["points"], "sheet", lambda mesh: mesh.points)
         self.check_samples(prims["sheet"]["velocities"], "sheet", lambda mesh: mesh.point_data["velocity"])
         self.assertEqual(prims["sheet"]["faceVertexCounts"].tolist(), [3] * 32)
         self.assertLess(prims["sheet"]["faceVertexIndices"].max(), 25)
 
     def test_particles(self):
-        _, prims = self.stage("particles.usda")
+        _, prims, _ = self.stage("particles.usda")
         water = prims["_2_water_0"]
         self.assertEqual((water["type"], water["widths"].tolist()), ("Points", [0.04]))
         self.check_samples(water["points"], "2-water", lambda mesh: mesh.points)
         np.testing.assert_allclose(water["primvars:displayColor"], [[1, 0, 0.2159]], atol=1e-3)
 
+    def test_materials(self):
+        """Every prim has a material; those of water and of a tank are seen through."""
+        _, prims, materials = self.stage("run/run.usda")
+        self.assertEqual(set(materials), {f"/run/Looks/{name}" for name in prims})
+        for name, prim in prims.items():
+            material = materials[prim["material"]]
+            self.assertEqual(prim["material"], f"/run/Looks/{name}")
+            np.testing.assert_allclose(material["diffuseColor"], prim["primvars:displayColor"])
+            self.assertEqual(material["opacity"], prim["primvars:displayOpacity"])
+        opacity, colour, rough = ({name: materials[f"/run/Looks/{name}"][key] for name in prims}
+                                  for key in ("opacity", "diffuseColor", "roughness"))
+        self.assertLess(max(opacity["tank"], opacity["_2_water_0"]), 0.5)
+        self.assertEqual((opacity["sheet"], opacity["paddle"]), (1, 1))
+        self.assertGreater(rough["sheet"], rough["_2_water_0"])
+        self.assertGreater(colour["sheet"][0][0], colour["sheet"][0][2] + 0.2)  # the sand of pictures
+        self.assertEqual([name for name in prims if prims[name]["twoSided"]], ["sheet", "tank"])
+        self.assertEqual(materials[prims["_2_water_0"]["material"]]["ior"], 1.333)
+
+    def test_particles_are_opaque(self):
+        _, prims, materials = self.stage("particles.usda")
+        self.assertEqual(materials[prims["_2_water_0"]["material"]]["opacity"], 1)
+
+    def test_body_with_the_name_of_the_materials(self):
+        sheet = dict(SCENE["bodies"][1], name="Looks")
+        (self.directory / "looks.json").write_text(json.dumps({"duration": 0.01, "bodies": [sheet]}))
+        self.program("run", "looks.json", "-o", "looks", "--threads", "1", "--quiet")
+        self.program("usd", "looks")
+        _, prims, materials = self.stage("looks/run.usda")
+        self.assertEqual((prims["Looks"]["material"], list(materials)), ("/run/Looks_/Looks", ["/run/Looks_/Looks"]))
+
     def test_surface_of_a_fluid(self):
-        _, prims = self.stage("run/run.usda")
+        _, prims, _ = self.stage("run/run.usda")
         water = prims["_2_water_0"]
         self.assertEqual(water["type"], "Mesh")
         self.check_samples(water["points"], "mesh/2-water", lambda mesh: mesh.points)
@@ -163,7 +214,7 @@ class Usd(unittest.TestCase):
         self.check_refused("expected the 3 frames", "other times")
 
     def test_solids(self):
-        _, prims = self.stage("run/run.usda")
+        _, prims, _ = self.stage("run/run.usda")
         self.assertEqual(prims["tank"]["points"].shape, (8, 3))
         paddle = prims["paddle"]["points"]
         for k, time in enumerate(self.times):
