@@ -71,14 +71,15 @@ for name, least in [("hide=water", 3000), ("hide=sheet", 6000), ("hide=tank", 80
 
 
 def legend(name, k, left, right):
-    """Legend k of a picture of 480 x 300 pixels: dark text above and below a strip whose ends have these colours."""
-    picture, top = pictures[name], 12 + 60 * k
+    """Legend k of a picture of 480 x 300 pixels: dark text of 9 pixels above and below a strip whose ends have these
+    colours."""
+    picture, top = pictures[name], 9 + 45 * k
     row = lambda y, low, high: [picture[480 * y + x] for x in range(low, high)]
-    for what, first in (("title", top + 6), ("values", top + 36)):
-        dark = sum(max(p) < 110 for y in range(first, first + 14) for p in row(y, 320, 472))
+    for what, first in (("title", top + 4), ("values", top + 27)):
+        dark = sum(max(p) < 110 for y in range(first, first + 11) for p in row(y, 350, 474))
         expect(f"{name}: {what} of the legend", dark, 25)
-    strip = row(top + 28, 300, 472)
-    for what, ends, colour in (("left", strip[:90], left), ("right", strip[-20:], right)):
+    strip = row(top + 21, 330, 474)
+    for what, ends, colour in (("left", strip[:70], left), ("right", strip[-20:], right)):
         close = sum(max(abs(u - v) for u, v in zip(p, colour)) < 12 for p in ends)
         expect(f"{name}: {what} end of the legend", close, 2)
 
@@ -86,7 +87,7 @@ def legend(name, k, left, right):
 legend("fluid=speed", 0, (60, 81, 141), (222, 245, 229))
 legend("fluid=speed&surface=stretch", 0, (60, 81, 141), (222, 245, 229))
 legend("fluid=speed&surface=stretch", 1, (0, 18, 97), (89, 0, 7))
-corner = {480 * y + x for y in range(12, 66) for x in range(327, 470)}
+corner = {480 * y + x for y in range(9, 50) for x in range(360, 470)}
 for name in ("surface=checker", "look=particles", "hide=water&fluid=speed"):
     expect(f"{name}: no legend", len(corner & changed(pictures["hide=water"], pictures[name])), 0, 20)
 balls = changed(pictures["look=particles"], pictures["hide=water"])

@@ -35,10 +35,10 @@ function showLegends() {
   }
 }
 
-/* Draws the legends into the upper right corner of a picture. em: height of the text, a 36th of the picture's, at least 12
+/* Draws the legends into the upper right corner of a picture. em: height of the text, a 36th of the picture's, at least 9
  * pixels where the picture is wide enough */
 function drawLegends(context) {
-  const { width, height } = context.canvas, em = Math.min(Math.max(12, height / 36), width / 20), names = shownChannels();
+  const { width, height } = context.canvas, em = Math.min(Math.max(9, height / 36), width / 20), names = shownChannels();
   context.font = `${em}px sans-serif`;
   context.textBaseline = "middle";
   const wide = Math.max(11 * em, ...names.map((name) => context.measureText(legendTexts(name).title).width));
