@@ -150,6 +150,19 @@ done
 "$projdyn" replay "$folder/can" -o "$folder/can.html" >/dev/null
 "$python" "$here/first_view.py" "$folder/can.html" 0.82 -0.5
 
+# A tank that is mostly empty, and a drop that falls past it: the first view has the top of the tank, and the tank stands
+# on the ground.
+cat >"$folder/tank.json" <<'EOF'
+{"duration": 0.4, "frame_interval": 0.1,
+ "bodies": [{"name": "water", "constraints": [{"type": "fluid"}], "particles": {"radius": 0.01, "fill": [
+    {"box": {"minimum": [-0.16, 0, -0.16], "maximum": [0.16, 0.1, 0.16]}},
+    {"box": {"minimum": [0.3, 0.1, 0], "maximum": [0.34, 0.14, 0.04]}}]}}],
+ "solids": [{"name": "tank", "box": {"minimum": [-0.16, 0, -0.16], "maximum": [0.16, 0.4, 0.16]}, "open": ["+y"]}]}
+EOF
+"$projdyn" run "$folder/tank.json" -o "$folder/tank" --quiet
+"$projdyn" replay "$folder/tank" -o "$folder/tank.html" >/dev/null
+"$python" "$here/first_view.py" "$folder/tank.html" 0.4 0
+
 # The camera over time; a turntable begins with the view and goes on to its far side.
 "$python" "$here/camera_path.py" "$folder/replay.html"
 small() { # NAME OPTIONS...

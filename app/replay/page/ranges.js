@@ -35,15 +35,15 @@ function coordinateRange(body, f, k, floor) {
 /* Height below which particles have fallen out of the scene: half its height at the start below all solids and
  * surfaces. */
 function floorOfView() {
-  const firm = [...solidParts(), ...meta.bodies.filter((body) => body.triangles)];
+  const firm = firmParts();
   const tops = meta.bodies.map((body) => coordinateRange(body, 0, 1, -Infinity)[1]);
   const low = Math.min(...firm.map((part) => part.box[0][1])), high = Math.max(...tops, ...firm.map((part) => part.box[1][1]));
   return firm.length ? low - 0.5 * (high - low) : -Infinity;
 }
 
-/* Extends the bounds by the boxes of parts that are not much larger. */
-function includeParts(bounds, parts) {
-  const largest = 3 * (Math.max(...bounds.map(([a, b]) => b - a)) || 1);
+/* Extends the bounds by the boxes of parts that are not larger than `times` their largest side. */
+function includeParts(bounds, parts, times) {
+  const largest = times * (Math.max(...bounds.map(([a, b]) => b - a)) || 1);
   for (const { box: [low, high] } of parts)
     if (high.every((v, k) => v - low[k] < largest))
       bounds = bounds.map(([a, b], k) => [Math.min(a, low[k]), Math.max(b, high[k])]);
@@ -53,8 +53,12 @@ function includeParts(bounds, parts) {
 /* Solids to look at: those that move, and obstacles; no tanks and floors. */
 const isSubject = (solid) => !solid.rest || ["mesh", "sphere", "capsule"].includes(solid.kind);
 
-/* Bounds of the view: ranges of the coordinates of the bodies over all frames, of at most 40, and solids to look at.
- * Three pairs, m. */
+/* Whether a solid is a tank: a box at rest around the middle of the bounds. */
+const isTank = (solid, bounds) => solid.rest && solid.kind === "box" &&
+  bounds.every(([a, b], k) => solid.box[0][k] < 0.5 * (a + b) && 0.5 * (a + b) < solid.box[1][k]);
+
+/* Bounds of the view: ranges of the coordinates of the bodies over all frames, of at most 40, solids to look at, and a
+ * tank that does not make the bodies small. Three pairs, m. */
 function measureBounds() {
   const bounds = [0, 1, 2].map(() => [Infinity, -Infinity]), step = Math.max(1, Math.floor(frameCount() / 40));
   const floor = floorOfView();
@@ -65,7 +69,8 @@ function measureBounds() {
         bounds[k] = [Math.min(bounds[k][0], low), Math.max(bounds[k][1], high)];
       }
   if (bounds[0][0] > bounds[0][1]) return [[0, 1], [0, 1], [0, 1]];
-  return includeParts(bounds, meta.solids.filter(isSubject));
+  const subjects = includeParts(bounds, meta.solids.filter(isSubject), 3);
+  return includeParts(subjects, meta.solids.filter((solid) => isTank(solid, subjects)), 1.5);
 }
 
 /* Extends the bounds down to the ground unless it is far below (0.7 times their largest side). */
@@ -78,16 +83,20 @@ function includeGround(bounds, ground) {
 /* The solids, or their boundary points if none has a mesh. */
 const solidParts = () => meta.solids.length ? meta.solids : meta.boundary;
 
-/* Height of the ground: below all bodies and solids, but for particles that have fallen out of the scene. m */
-function groundHeight() {
-  const floor = floorOfView();
-  return Math.min(...[...meta.bodies, ...solidParts()].map((part) => Math.max(floor, part.box[0][1])));
+/* What particles do not pass: solids and surfaces. */
+const firmParts = () => [...solidParts(), ...meta.bodies.filter((body) => body.triangles)];
+
+/* Height of the ground: below the bounds, solids and surfaces, and below all particles where nothing else is there:
+ * single ones that have left a tank would let it float above the ground. m */
+function groundHeight(bounds) {
+  const floor = floorOfView(), firm = firmParts();
+  return Math.min(bounds[1][0], ...(firm.length ? firm : meta.bodies).map((part) => Math.max(floor, part.box[0][1])));
 }
 
 /* Bounds of a live view, whose later frames are not known: those of the first frame, with solids that are not much
  * larger than the bodies, and sides of at least 0.6 of the longest one; downwards, where things fall. */
 function guessBounds(bounds) {
-  bounds = includeParts(bounds, [...meta.solids, ...meta.boundary]);
+  bounds = includeParts(bounds, [...meta.solids, ...meta.boundary], 3);
   const least = 0.6 * (Math.max(...bounds.map(([a, b]) => b - a)) || 1);
   return bounds.map(([a, b], k) => {
     const more = Math.max(0, least - (b - a));

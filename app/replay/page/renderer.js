@@ -52,7 +52,7 @@ class Renderer {
     if (!gl.getExtension("EXT_color_buffer_float"))
       throw new Error("This page needs a graphics driver with float render targets (EXT_color_buffer_float).");
     const bounds = meta.live ? guessBounds(measureBounds()) : measureBounds();
-    this.groundHeight = meta.live ? Math.min(groundHeight(), bounds[1][0]) : groundHeight();
+    this.groundHeight = groundHeight(bounds);
     this.camera = new Camera(includeGround(bounds, this.groundHeight), firstPitch());
     this.shadows = new Shadows(gl, this.camera);
     this.backdrop = new Backdrop(gl, this.camera, this.groundHeight - 0.002 * this.camera.radius);
