@@ -163,6 +163,17 @@ EOF
 "$projdyn" replay "$folder/tank" -o "$folder/tank.html" >/dev/null
 "$python" "$here/first_view.py" "$folder/tank.html" 0.4 0
 
+# Light: a ball just above the ground takes the sky from what is below it; a bright sheet keeps its colour.
+cat >"$folder/studio.json" <<'EOF'
+{"duration": 0.01, "gravity": [0, 0, 0], "bodies": [
+  {"name": "sheet", "surface": {"grid": {"size": [0.2, 0.2], "vertices": [9, 9]}, "translate": [0.5, 0, 0], "area_density": 0.3}},
+  {"name": "ball", "rigid": {"sphere": {"center": [0, 0.11, 0], "radius": 0.1}, "density": 500}}]}
+EOF
+"$projdyn" run "$folder/studio.json" -o "$folder/studio" --quiet
+"$projdyn" render "$folder/studio" -o "$folder/studio.png" --size 480x300 --view "camera=0,25,0.6,0,0.05,0" >/dev/null
+"$projdyn" render "$folder/studio" -o "$folder/above.png" --size 480x300 --view "camera=0,80,0.6,0.5,0,0" >/dev/null
+"$python" "$here/studio_light.py" "$folder/studio.png" "$folder/above.png"
+
 # The camera over time; a turntable begins with the view and goes on to its far side.
 "$python" "$here/camera_path.py" "$folder/replay.html"
 small() { # NAME OPTIONS...

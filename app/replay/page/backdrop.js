@@ -36,7 +36,7 @@ vec3 groundLight(vec3 n) {
 void main() {
   float distance = length(away), grid = max(0.05 * lines(spacing), 0.085 * lines(5.0 * spacing));
   vec3 up = vec3(0, 1, 0);
-  vec3 colour = 0.60 * (1.4 * skyLight(up) + 0.93 * groundLight(up) * lamp.y);
+  vec3 colour = 0.66 * (1.4 * skyLight(at, up) + 0.93 * groundLight(up) * lamp.y);
   grid *= 1.0 - smoothstep(0.15, 0.6, distance);
   result = vec4(encode(colour) * (1.0 - grid), 1.0 - smoothstep(0.3, 1.0, distance));
 }`,

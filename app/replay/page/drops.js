@@ -21,7 +21,7 @@ void main() {
   vec3 toEye = normalize(eye - p), light = lampLight(p, side);
   float z = centre.z + r * n.z, gloss = power32(max(dot(side, normalize(lamp + toEye)), 0.0));
   gl_FragDepth = bufferDepth(z);
-  vec3 body = mapped > 0.0 ? matt(mapColour(map, shade), light, side, toEye) : behind(n, z);
+  vec3 body = mapped > 0.0 ? matt(mapColour(map, shade), light, p, side, toEye) : behind(n, z);
   vec3 mirror = 0.4 * environment(reflect(-toEye, side)) * fresnel(n.z);
   result = vec4(encode(body + (mapped > 0.0 ? 0.35 : 1.0) * mirror + 0.8 * gloss * light), 1);
   float inWater = step(0.5, texture(cover, gl_FragCoord.xy / window).a) * (1.0 - mapped);

@@ -1,4 +1,4 @@
-/* Light: a studio with a soft sky, one lamp with shadows, and the shadow maps. */
+/* Light: a studio with a soft sky and one lamp, which bodies and solids shade, and the shadow maps. */
 
 /* GLSL that all programs share: positions, the cut, depths and the coding of colours. Targets hold colours as the
  * screen shows them (gamma 2, highlights compressed), shaders compute with linear light. */
@@ -14,9 +14,14 @@ float bufferDepth(float z) { return 0.5 - 0.5 * (projection[2][2] + projection[3
 /* Powers by squaring: software renderers are slow at pow and exp. */
 float power4(float x) { return x * x * x * x; }
 float power32(float x) { return power4(power4(x)) * power4(power4(x)); }
+vec3 compress(vec3 light) {
+  vec3 over = max(light - 0.6, 0.0);
+  return min(light, 0.6) + over / (1.0 + over / 0.4);
+}
+/* Each channel for itself would turn bright sand to lemon, all alike would tint highlights: the mean of both. */
 vec3 encode(vec3 light) {
-  vec3 over = max(light - 0.7, 0.0);
-  return sqrt(min(light, 0.7) + over / (1.0 + over / 0.3));
+  float most = max(light.r, max(light.g, light.b));
+  return sqrt(0.5 * (compress(light) + light * compress(vec3(most)) / max(most, 1e-6)));
 }
 vec3 mapColour(sampler2D map, float place) {
   vec3 c = texture(map, vec2(clamp(place, 0.0, 1.0) * 0.996 + 0.002, 0.5)).rgb;
@@ -27,10 +32,10 @@ vec3 mapColour(sampler2D map, float place) {
 /* GLSL of lit materials. Colours are linear light. */
 const lightText = commonText + `
 uniform vec3 lamp;      /* lamp: unit vector towards it */
-uniform mat4 lampView;  /* world to texture coordinates of the shadow maps */
+uniform mat4 lampView, skyView; /* world to texture coordinates of the shadow maps, of the map from above */
 uniform float texel;    /* of the shadow map of what is opaque, m */
 uniform float soft;     /* 0: few samples of the shadow maps, for speed */
-uniform sampler2DShadow shadowMap, waterMap;
+uniform sampler2DShadow shadowMap, waterMap, skyMap;
 uniform vec3 absorbed[3], scattered[3]; /* of three liquids, per length "clear" of water.js */
 const vec3 lampColour = vec3(1.16, 1.11, 1.04);
 float unshaded(sampler2DShadow map, vec3 q) {
@@ -59,7 +64,20 @@ vec3 lampLight(vec3 p, vec3 n) {
   if (any(greaterThan(abs(q - 0.5), vec3(0.5)))) return lampColour;
   return lampColour * unshaded(shadowMap, q) * mix(liquidShade(), vec3(1), unshaded(waterMap, q));
 }
-vec3 skyLight(vec3 n) { return mix(vec3(0.15, 0.135, 0.125), vec3(0.33, 0.37, 0.43), 0.5 + 0.5 * n.y); }
+/* Light of the whole sky, and of the floor, on a surface with the normal n */
+vec3 openSky(vec3 n) { return mix(vec3(0.15, 0.135, 0.125), vec3(0.33, 0.37, 0.43), 0.5 + 0.5 * n.y); }
+/* The same at a point: bodies and solids hide as much of the sky as they cover of a cone of 45 degrees above the point. */
+vec3 skyLight(vec3 p, vec3 n) {
+  const int samples = 32;
+  vec3 q = (skyView * vec4(p + 8.0 * texel * n + vec3(0, 8.0 * texel, 0), 1)).xyz;
+  float sum = 0.0;
+  if (soft == 0.0) return 0.85 * openSky(n);
+  for (int k = 0; k < samples; k++) {
+    float angle = 2.39996 * float(k), away = 0.16 * (float(k) + 0.5) / float(samples);
+    sum += texture(skyMap, q + away * vec3(cos(angle), sin(angle), -0.25)); /* depths: see Shadows */
+  }
+  return mix(0.3, 1.0, sum / float(samples)) * openSky(n);
+}
 /* Light from a direction: floor, horizon, sky, and a large soft box overhead. */
 vec3 environment(vec3 d) {
   vec3 sky = mix(vec3(0.62, 0.67, 0.72), vec3(0.24, 0.38, 0.56), smoothstep(0.0, 0.75, d.y));
@@ -70,10 +88,10 @@ float fresnel(float cosine) {
   float rest = 1.0 - clamp(cosine, 0.0, 1.0);
   return 0.02 + 0.98 * power4(rest) * rest;
 }
-/* A matt surface with a weak gloss. light: of the lamp; n, toEye: unit vectors */
-vec3 matt(vec3 colour, vec3 light, vec3 n, vec3 toEye) {
+/* A matt surface at p with a weak gloss. light: of the lamp; n, toEye: unit vectors */
+vec3 matt(vec3 colour, vec3 light, vec3 p, vec3 n, vec3 toEye) {
   float gloss = power32(max(dot(n, normalize(lamp + toEye)), 0.0));
-  return colour * (skyLight(n) + light * max(dot(n, lamp), 0.0)) + 0.06 * gloss * light;
+  return colour * (skyLight(p, n) + light * max(dot(n, lamp), 0.0)) + 0.06 * gloss * light;
 }
 `;
 
@@ -82,29 +100,34 @@ const lamp = (() => {
   return d.map((v) => v / length);
 })();
 
-/* The shadow maps: depths seen from the lamp, of what is opaque and of water. They cover a sphere around the
- * bounds of the view; outside of it there are no shadows. */
+/* The shadow maps: depths of what is opaque and of water, seen from the lamp, and of what is opaque, seen from above.
+ * They cover a sphere around the bounds of the view; outside of it there are no shadows. A map is 2 reach wide and
+ * 4 times as deep. */
 class Shadows {
   constructor(gl, camera) {
     this.gl = gl;
-    this.opaque = new Target(gl, null, true, gl.LINEAR);
-    this.water = new Target(gl, null, true, gl.LINEAR);
-    for (const { depth } of [this.opaque, this.water]) {
+    [this.opaque, this.water, this.above] = [0, 1, 2].map(() => new Target(gl, null, true, gl.LINEAR));
+    for (const { depth } of [this.opaque, this.water, this.above]) {
       gl.bindTexture(gl.TEXTURE_2D, depth);
       gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_COMPARE_MODE, gl.COMPARE_REF_TO_TEXTURE);
     }
-    const reach = 1.3 * camera.radius, up = Math.asin(lamp[1]), axes = viewAxes(Math.atan2(lamp[0], lamp[2]), up);
-    this.reach = reach;
-    this.view = viewMatrix(axes, camera.centre);
-    const s = 1 / reach, depth = 1 / (4 * reach);
-    this.projection = new Float32Array([s, 0, 0, 0, 0, s, 0, 0, 0, 0, -depth, 0, 0, 0, 0, 1]);
+    this.reach = 1.3 * camera.radius;
+    this.lamp = this.aim(camera.centre, viewAxes(Math.atan2(lamp[0], lamp[2]), Math.asin(lamp[1])));
+    this.sky = this.aim(camera.centre, viewAxes(0, Math.PI / 2));
+  }
+  /* View and projection of a map, and world to its texture coordinates. */
+  aim(centre, axes) {
+    const view = viewMatrix(axes, centre), s = 1 / this.reach, depth = 1 / (4 * this.reach);
+    const projection = new Float32Array([s, 0, 0, 0, 0, s, 0, 0, 0, 0, -depth, 0, 0, 0, 0, 1]);
     const rows = [0, 1, 2].map((i) => [0, 1, 2, 3].map((j) =>
-      0.5 * [s, s, -depth][i] * this.view[4 * j + i] + (j === 3 ? 0.5 : 0)));
-    this.lampView = new Float32Array([0, 1, 2, 3].flatMap((j) => [...rows.map((row) => row[j]), j === 3 ? 1 : 0]));
+      0.5 * [s, s, -depth][i] * view[4 * j + i] + (j === 3 ? 0.5 : 0)));
+    return { view, projection, inMap: new Float32Array([0, 1, 2, 3].flatMap((j) => [...rows.map((row) => row[j]), j === 3 ? 1 : 0])) };
   }
   /* Values of the uniforms of lightText. size: of the maps, pixels */
   values(size) {
-    const texel = 2 * this.reach / size;
-    return { lamp, lampView: this.lampView, texel, shadowMap: this.opaque.depth, waterMap: this.water.depth };
+    return {
+      lamp, texel: 2 * this.reach / size, lampView: this.lamp.inMap, skyView: this.sky.inMap,
+      shadowMap: this.opaque.depth, waterMap: this.water.depth, skyMap: this.above.depth,
+    };
   }
 }

@@ -65,7 +65,7 @@ void main() {
   vec3 n = vec3(d.x, -d.y, sqrt(1.0 - square)) * mat3(view), p = inWorld(centre) + r * n;
   gl_FragDepth = bufferDepth(centre.z + r * sqrt(1.0 - square));
   vec3 colour = mix(mapColour(map, shade), plain.rgb, plain.a);
-  result = vec4(encode(matt(colour, lampLight(p, n), n, normalize(eye - p))), 1);
+  result = vec4(encode(matt(colour, lampLight(p, n), p, n, normalize(eye - p))), 1);
 }`,
   shadow: `${ballHead}
 void main() {

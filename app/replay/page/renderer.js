@@ -142,14 +142,19 @@ class Renderer {
       glass: shown.filter((shape) => shape instanceof Glass),
     };
   }
-  drawShadows(sorted, shared, { shadow: size, soft }) {
-    const { view, projection } = this.shadows, values = { ...shared, view, projection, height: size };
-    const low = { ...values, height: size / 4, shrink: soft ? 1 : 1.5, shadowMap: this.shadows.opaque.depth };
-    this.shadows.opaque.begin(size, size);
+  drawOpaqueShadows(sorted, values) {
     for (const shape of sorted.surfaces) shape.draw(this.fabric.shadow, values);
     for (const shape of sorted.balls) shape.draw(this.balls.shadow, { ...values, shrink: 0 });
+  }
+  drawShadows(sorted, shared, { shadow: size, soft }) {
+    const values = { ...shared, ...this.shadows.lamp, height: size };
+    const low = { ...values, height: size / 4, shrink: soft ? 1 : 1.5, shadowMap: this.shadows.opaque.depth };
+    this.shadows.opaque.begin(size, size);
+    this.drawOpaqueShadows(sorted, values);
     this.shadows.water.begin(size / 4, size / 4);
     for (const shape of sorted.water) shape.draw(this.balls.waterShadow, low, !soft);
+    this.shadows.above.begin(size / 8, size / 8);
+    if (soft) this.drawOpaqueShadows(sorted, { ...values, ...this.shadows.sky, height: size / 8 });
   }
   ballLook(shape) {
     const plain = shape.solid || shape.tint && settings.fluid === "plain" ? [...shape.tint, 1] : [0, 0, 0, 0];

@@ -34,7 +34,7 @@ void main() {
   vec3 light = lampLight(at, facing > 0.0 ? side : -side);
   vec3 through = sheer * 0.25 * max(-facing, 0.0) * light * colour;
   float sheen = sheer * 0.3 * power4(1.0 - max(dot(side, toEye), 0.0));
-  result = vec4(encode(matt(colour, light, side, toEye) + through + sheen * skyLight(side)), 1);
+  result = vec4(encode(matt(colour, light, at, side, toEye) + through + sheen * openSky(side)), 1);
 }`,
   shadow: `
 in vec3 n, at, cell;

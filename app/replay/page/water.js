@@ -202,7 +202,7 @@ void main() {
   vec3 q = vec3(-z * (2.0 * uv - 1.0) / scale, z), p = (q - view[3].xyz) * mat3(view), toEye = normalize(eye - p);
   vec4 sums = column(there);
   float lit = unshaded(shadowMap, inLampView(p, n));
-  vec3 light = skyLight(n) + lampColour * lit * max(dot(n, lamp), 0.0);
+  vec3 light = openSky(n) + lampColour * lit * max(dot(n, lamp), 0.0);
   float value = sums.g / max(sums.b, 1e-4);
   vec3 body = mapped > 0.0 ? mapColour(map, value) * light : bodyColour(there, sums.r, value, light);
   float shine = smoothstep(0.0, 2.0 * radius, sums.r) * mean.z * (mapped > 0.0 ? 0.35 : 1.0);
