@@ -76,7 +76,7 @@ vec3 skyLight(vec3 p, vec3 n) {
     float angle = 2.39996 * float(k), away = 0.16 * (float(k) + 0.5) / float(samples);
     sum += texture(skyMap, q + away * vec3(cos(angle), sin(angle), -0.25)); /* depths: see Shadows */
   }
-  return mix(0.3, 1.0, sum / float(samples)) * openSky(n);
+  return mix(0.45, 1.0, sum / float(samples)) * openSky(n);
 }
 /* Light from a direction: floor, horizon, sky, and a large soft box overhead. */
 vec3 environment(vec3 d) {
