@@ -3,7 +3,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 scripts/build.sh >/dev/null
-scripts/install.sh chromium ffmpeg
+scripts/install.sh chromium ffmpeg pngquant
 root=$PWD dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 PATH=$root/build/app:$PATH
@@ -12,6 +12,7 @@ sed -n '/^```sh$/,/^```$/{/^```/d;p}' docs/guide/first-scene.md >"$dir/commands"
 
 while read -r run time; do
     projdyn render "$dir/$run" -o "docs/guide/first-scene/$run.png" --size 640x400 --time "$time" </dev/null
+    pngquant --force --ext .png "docs/guide/first-scene/$run.png"
 done <<'EOF'
 sheet 0.25
 leak 0.6
