@@ -221,6 +221,17 @@ static double cap_angle(double volume, double height) {
     return low;
 }
 
+/* Of the cap that the particles below a height would be: single ones jump off as a box contracts.
+ */
+static double angle_of_drop(const pdyn_sim *sim, double top) {
+    pdyn_state state = pdyn_get_state(sim);
+    double height = 0.0;
+    int n = 0;
+    for (int i = 0; i < pdyn_get_body(sim, 0).count; i++)
+        if (state.x[3 * i + 1] < top) height += state.x[3 * i + 1], n++;
+    return cap_angle(n * d * d * d, height / n);
+}
+
 static void contact_angle(pdyn_context *context, double angle, double cells) {
     char fill[TEXT];
     double h = 0.5 * cells * d, tension = 0.072;
@@ -235,10 +246,13 @@ static void contact_angle(pdyn_context *context, double angle, double cells) {
                         "{\"box\": {\"minimum\": [-0.03, 0, -0.03], \"maximum\": [0.03, 0.06, "
                         "0.03]}, \"open\": [\"+y\"]}"};
     pdyn_sim *sim = load(context, &drop);
-    settle(context, sim, 10.0 * time);
-    int n = pdyn_get_body(sim, 0).count;
-    printf("| %g | %d | %.0f |\n", angle, n, cap_angle(n * d * d * d, shape_of(sim).middle[1]));
-    fflush(stdout);
+    printf("| %g | %d |", angle, pdyn_get_body(sim, 0).count);
+    for (double units = 10.0; units <= 40.0; units *= 2.0) {
+        settle(context, sim, units * time);
+        printf(" %.0f |", angle_of_drop(sim, 2.0 * h));
+        fflush(stdout);
+    }
+    printf("\n");
     pdyn_free(sim);
 }
 
@@ -262,7 +276,7 @@ static void all_cubes(pdyn_context *context) {
 }
 
 static void all_angles(pdyn_context *context) {
-    printf("| angle | particles | found |\n|---|---|---|\n");
+    printf("| angle | particles | after 10 | 20 | 40 units |\n|---|---|---|---|---|\n");
     for (double angle = 60.0; angle <= 120.0; angle += 30.0) contact_angle(context, angle, 14.0);
 }
 

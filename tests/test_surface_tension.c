@@ -67,7 +67,7 @@ static void test_drop(void **state) {
 /* A block on a floor: the smaller the angle, the lower the drop. It does not leave the floor. */
 static void test_wetting(void **state) {
     (void)state;
-    static const char *const tension[] = {TENSION("40"), TENSION("90"), TENSION("140")};
+    static const char *const tension[] = {TENSION("40"), TENSION("90"), TENSION("130")};
     double height[3];
     for (int k = 0; k < 3; k++) {
         pdyn_context *context = test_context(1);
@@ -80,6 +80,22 @@ static void test_wetting(void **state) {
         pdyn_destroy(context);
     }
     assert_true(height[0] < 0.9 * height[1] && height[1] < 0.9 * height[2] && height[2] < 5.0);
+}
+
+/* A block on a floor with 60 degrees comes to rest as a cap, whose mean height is 1.81 d. */
+static void test_rest(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = load(context, 5.5 * d, 3.0 * d, true, TENSION("60"));
+    double middle[3], moments[3], height[2];
+    for (int k = 0; k < 2; k++) {
+        while (pdyn_time(sim) < 0.3 + 0.3 * k) test_step(context, sim);
+        measure(sim, middle, moments);
+        height[k] = middle[1] / d;
+    }
+    assert_true(fabs(height[0] - 1.81) < 0.3 && fabs(height[1] - height[0]) < 0.1);
+    pdyn_free(sim);
+    pdyn_destroy(context);
 }
 
 /* Mean pressure of the particles closer than `reach` to the origin, Pa. */
@@ -160,8 +176,9 @@ static void test_pair(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_drop), cmocka_unit_test(test_wetting),
-                                       cmocka_unit_test(test_pressure),
-                                       cmocka_unit_test(test_plate), cmocka_unit_test(test_pair)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_drop),  cmocka_unit_test(test_wetting),
+        cmocka_unit_test(test_rest),  cmocka_unit_test(test_pressure),
+        cmocka_unit_test(test_plate), cmocka_unit_test(test_pair)};
     return cmocka_run_group_tests_name("surface_tension", tests, NULL, NULL);
 }

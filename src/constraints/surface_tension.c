@@ -10,9 +10,10 @@
  *
  * a_i is the surface's area at particle i (Brackbill, Kothe and Zemach 1992). The sum of w r^2 over
  * pairs is 2 A tension times the area, whatever b is. Weights are those of the beginning of the
- * step. Walls count as fluid in n_i, so the surface meets them at a right angle; other angles are
- * springs that pull the particles of the contact line along the wall (Young 1805). Particles nearer
- * than d / 2 count as that far in s_i: the weight of two that are alone has a bound.
+ * step. The fluid has two surfaces: the free one, which has the tension, and the wet one at walls,
+ * with -tension cos(contact angle) (Young 1805), whose springs push where that is negative. Walls
+ * count as fluid in n_i, so the free surface ends where the wet one begins. Particles nearer than
+ * d / 2 count as that far in s_i: the weight of two that are alone has a bound.
  * docs/theory/surface-tension.md */
 #include "fluid.h"
 #include "listed_points.h"
@@ -30,16 +31,21 @@ static const pdyn_param params[] = {
      "degrees", "angle in the fluid between its surface and walls, sheets and solids"},
     {0}};
 
-/* Measured on drops on a plate: the work of adhesion is done within 1/2.5 of a spacing; the pull
- * along the contact line is line/2 tension (cos angle + line_offset), both of the kernel. */
-static const double reach = 2.5;
+/* Measured on drops on a plate. The work of adhesion is done within 1/reach of a spacing, about as
+ * far as a wall is felt; the lowest layer of a drop has no free surface with this part of m. */
+static const double reach = 2.5, wall_part = 0.8;
+
+/* The part of a particle in one of the two surfaces. */
+struct share {
+    double area; /* a, m^2; 0: none */
+    double rate; /* s for a tension A of 1 N/m, 1/m^2 */
+};
 
 struct site {         /* a particle */
     double normal[3]; /* n, with walls, 1/m: into the fluid */
-    double wall[3];   /* the part of n by walls, 1/m: into the wall */
-    double area;      /* a, m^2; 0 inside */
-    double rate;      /* s, N/m^3 */
-    int sample;       /* the nearest sample of sheets and bodies; -1: a solid is nearer, or none */
+    double wall[3];   /* m, the part by walls, 1/m: into the wall */
+    struct share free, wet;
+    int sample; /* the nearest sample of sheets and bodies; -1: a solid is nearer, or none */
 };
 
 enum { ENDS = 4 };
@@ -54,6 +60,10 @@ struct link { /* an element: the sum of coefficient x particle is pulled to `tar
 static double is_surface(double slope) {
     double t = fmin(1.0, fmax(0.0, (slope - 0.1) / 0.3));
     return t * t * (3.0 - 2.0 * t);
+}
+
+static double cosine(const struct params *p) {
+    return cos(p->contact_angle / 180.0 * 3.14159265358979323846);
 }
 
 /* ---- particles ------------------------------------------------------------------------------- */
@@ -95,9 +105,15 @@ static void find_site(const pdyn_batch *b, const double *x, int i, struct site *
     *site = (struct site){.sample = -1};
     add_fluid(b, x, i, site);
     add_walls(b, x, i, site);
-    vec3_add(site->normal, 1.0, site->wall);
+    vec3_add(site->normal, wall_part, site->wall);
     double slope = d * vec3_length(site->normal);
-    site->area = 2.0 * d * d * slope * is_surface(slope);
+    site->free.area = 2.0 * d * d * slope * is_surface(slope);
+    site->wet.area = d * d * fmin(1.0, 2.0 * d * vec3_length(site->wall));
+}
+
+/* Whether a particle is in no surface. */
+static bool is_inside(const struct site *site) {
+    return !(site->free.area > 0.0 || site->wet.area > 0.0);
 }
 
 /* ---- pairs ----------------------------------------------------------------------------------- */
@@ -107,35 +123,50 @@ static double bond(double support, double r) {
     return q < 1.0 ? q * q * q * (1.0 - q) * (1.0 - q) : 0.0;
 }
 
-/* sum_j b_ij a_j max(r_ij, d / 2)^2 */
-static double sum_bonds(const pdyn_batch *b, const double *x, int i, const struct site *site) {
+/* 4 a_i over the sum of b_ij a_j max(r_ij, d / 2)^2, for both surfaces */
+static void find_rates(const pdyn_batch *b, const double *x, int i, struct site *site) {
     const pdyn_neighbours *l = b->neighbours;
-    double sum = 0.0, nearest = b->body->radius;
+    double free = 0.0, wet = 0.0, nearest = b->body->radius;
+    if (is_inside(&site[i])) return;
     for (int k = l->start[i]; k < l->surface_start[i]; k++) {
         int j = l->index[k];
         if (!body_has(b->body, j)) continue;
-        double r = vec3_distance(x + 3 * i, x + 3 * j);
-        sum += bond(l->support, r) * site[j].area * fmax(r * r, nearest * nearest);
+        double r = vec3_distance(x + 3 * i, x + 3 * j), far = fmax(r, nearest);
+        double moment = bond(l->support, r) * far * far;
+        free += moment * site[j].free.area, wet += moment * site[j].wet.area;
     }
-    return sum;
+    site[i].free.rate = free > 0.0 ? 4.0 * site[i].free.area / free : 0.0;
+    site[i].wet.rate = wet > 0.0 ? 4.0 * site[i].wet.area / wet : 0.0;
+}
+
+static double pair_weight(const struct share *i, const struct share *j) {
+    return 0.5 * (i->rate * j->area + j->rate * i->area);
 }
 
 /* Pairs of particle i, ascending, so that their order is not that of the lists. */
-static int add_pairs(const pdyn_batch *b, const double *x, int i, const struct site *site,
-                     int count, int room) {
+static int add_pairs(const struct params *p, const pdyn_batch *b, const double *x, int i,
+                     const struct site *site, int count, int room) {
     const pdyn_neighbours *l = b->neighbours;
+    const struct kernel_model *kernel = l->kernel;
     struct link *link = b->data;
+    double free = kernel->tension * p->tension,
+           wet = -p->tension * (cosine(p) + kernel->wetting_offset);
     int first = count;
+    if (is_inside(&site[i])) return count;
     for (int k = l->start[i]; k < l->surface_start[i]; k++) {
         int j = l->index[k];
-        if (j <= i || !body_has(b->body, j) || !(site[j].area > 0.0)) continue;
-        double w = 0.5 * bond(l->support, vec3_distance(x + 3 * i, x + 3 * j)) *
-                   (site[i].rate * site[j].area + site[j].rate * site[i].area);
+        if (j <= i || !body_has(b->body, j) || is_inside(&site[j])) continue;
+        double near = bond(l->support, vec3_distance(x + 3 * i, x + 3 * j));
+        double pull = near * free * pair_weight(&site[i].free, &site[j].free),
+               along = near * wet * pair_weight(&site[i].wet, &site[j].wet), w = pull + fabs(along);
         if (!(w > 0.0)) continue;
         int at = count++;
         if (at >= room) continue;
         for (; at > first && link[at - 1].end[1] > j; at--) link[at] = link[at - 1];
         link[at] = (struct link){{i, j, i, i}, {1.0, -1.0}, w, {0}};
+        if (along < 0.0) /* a spring of twice their distance pushes with the force of this one */
+            for (int a = 0; a < 3; a++)
+                link[at].target[a] = -2.0 * along / w * (x[3 * i + a] - x[3 * j + a]);
     }
     return count;
 }
@@ -155,31 +186,19 @@ static void tie_to_sample(const pdyn_batch *b, int i, int sample, struct link *l
     }
 }
 
-/* The pull of walls, sheets and solids on a particle that touches them: per area, the force that
- * does the work of adhesion tension (1 + cos angle) (Dupre 1869) within a spacing, towards the
- * wall; per length of the contact line, tension cos(angle) (Young 1805), out of the fluid along the
- * wall. A spring to a point one spacing away; its force changes little in a step. */
+/* The pull of walls, sheets and solids on a particle that touches them, which does the work of
+ * adhesion tension (1 + cos angle) per area (Dupre 1869) within a spacing: a spring to a point one
+ * spacing away; its force changes little in a step. */
 static int add_pull(const struct params *p, const pdyn_batch *b, const double *x, int i,
                     const struct site *site, int count, int room) {
-    const struct kernel_model *kernel = b->neighbours->kernel;
-    double d = 2.0 * b->body->radius, steep = vec3_length(site->wall), along[3], pull[3] = {0};
-    if (!(steep > 0.0)) return count;
-    double wetting = cos(p->contact_angle / 180.0 * 3.14159265358979323846);
-    double wet = fmin(1.0, 2.0 * d * steep) * p->tension * d;
-    memcpy(along, site->normal, sizeof along);
-    vec3_add(along, -vec3_dot(along, site->wall) / (steep * steep), site->wall);
-    vec3_add(pull, wet * reach * (1.0 + wetting) / steep, site->wall);
-    vec3_add(pull,
-             -wet * kernel->line * d * (wetting + kernel->line_offset) *
-                 is_surface(d * vec3_length(along)),
-             along);
-    double force = vec3_length(pull);
+    double d = 2.0 * b->body->radius, steep = vec3_length(site->wall),
+           force = reach * p->tension * (1.0 + cosine(p)) * site->wet.area / d;
     if (!(force > 0.0)) return count;
     struct link link = {.weight = force / d};
     tie_to_sample(b, i, site->sample, &link);
     for (int k = 0; k < ENDS; k++)
         vec3_add(link.target, link.coefficient[k], x + 3 * (size_t)link.end[k]);
-    vec3_add(link.target, d / force, pull);
+    vec3_add(link.target, d / steep, site->wall);
     if (count < room) ((struct link *)b->data)[count] = link;
     return count + 1;
 }
@@ -191,15 +210,11 @@ static int update(const void *par, const pdyn_batch *b, const double *x, const d
     (void)v;
     const struct params *p = par;
     int count = 0, first = b->body->first, last = first + b->body->count;
-    double factor = 4.0 * b->neighbours->kernel->tension * p->tension;
     struct site *site = (struct site *)b->scratch - first;
     for (int i = first; i < last; i++) find_site(b, x, i, &site[i]);
+    for (int i = first; i < last; i++) find_rates(b, x, i, site);
     for (int i = first; i < last; i++) {
-        double sum = site[i].area > 0.0 ? sum_bonds(b, x, i, site) : 0.0;
-        site[i].rate = sum > 0.0 ? factor * site[i].area / sum : 0.0;
-    }
-    for (int i = first; i < last; i++) {
-        if (site[i].area > 0.0) count = add_pairs(b, x, i, site, count, room);
+        count = add_pairs(p, b, x, i, site, count, room);
         count = add_pull(p, b, x, i, &site[i], count, room);
     }
     return count;
