@@ -97,8 +97,8 @@ static const struct bad_scene bad_scenes[] = {
     {TOP("'solver': {'linear_iterations': 5000000000}"),
      "scene.json:2:34: solver.linear_iterations: expected a whole number from 1 to "
      "1000000, found 5000000000"},
-    {TOP("'solver': {'linear_tolerance': 2}"),
-     "scene.json:2:33: solver.linear_tolerance: expected a number from 0 to 1, found 2"},
+    {TOP("'solver': {'linear_tolerance': 1}"),
+     "scene.json:2:33: solver.linear_tolerance: expected a number from 0 to 0.9, found 1"},
     {TOP("'solver': {'iterations': 2}"),
      "scene.json:2:13: solver: unknown key \"iterations\"; did you mean "
      "\"linear_iterations\"?; known: type, step, acceleration, tolerance, outer_iterations, "

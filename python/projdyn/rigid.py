@@ -21,6 +21,10 @@ class Rigid(Body):
 
     is_rigid = True
 
+    def __init__(self, handle: Handle, index: int, state: dict) -> None:
+        self._wrench: list[tuple[np.ndarray, np.ndarray]] = []  # one while there is a moment
+        super().__init__(handle, index, state)
+
     @property
     def position(self) -> np.ndarray:
         """3, m: the centre of mass."""
@@ -53,13 +57,11 @@ class Rigid(Body):
 
     def set_wrench(self, force: Any = (0, 0, 0), moment: Any = (0, 0, 0)) -> None:
         """Sets a force through the centre of mass, N, and a moment about it, N m, which act until
-        they are set again, beside the forces on the vertices. They hold the direction that they
-        have; the moment turns with the body, so set it in every step where the body turns."""
+        they are set again, beside the forces on the vertices. Both keep their direction in the
+        world. A saved state has the forces of the last step, not the wrench."""
         push, turn = doubles(force, (3,), "force"), doubles(moment, (3,), "moment")
-        spin = np.linalg.solve(self.inertia, turn)
-        forces = 0.25 * (push + self.total_mass * np.cross(spin, self._arms()))
-        self._handle.call(lib.pdyn_set_forces, self.particles.stop, POINTS,
-                          address(doubles(forces, (POINTS, 3), "forces")))
+        self._wrench[:] = [(push.copy(), turn.copy())] if turn.any() else []
+        self._apply(push, turn)
 
     def set_pose(self, position: Any, rotation: Any = np.eye(3)) -> None:
         """Places the body: its centre of mass, m, and its rotation from the place in the scene.
@@ -78,6 +80,17 @@ class Rigid(Body):
         self.set_velocities(move + np.cross(spin, self.x - self.position))
 
     # ---- parts ----------------------------------------------------------------------------------
+
+    def begin_step(self) -> None:
+        """A moment is forces on points, which turn with the body: they are set anew."""
+        for wrench in self._wrench:
+            self._apply(*wrench)
+
+    def _apply(self, push: np.ndarray, turn: np.ndarray) -> None:
+        spin = np.linalg.solve(self.inertia, turn)
+        forces = 0.25 * (push + self.total_mass * np.cross(spin, self._arms()))
+        self._handle.call(lib.pdyn_set_forces, self.particles.stop, POINTS,
+                          address(doubles(forces, (POINTS, 3), "forces")))
 
     def _points(self, name: str) -> np.ndarray:
         return self._all[name][self.particles.stop:self.particles.stop + POINTS]

@@ -19,7 +19,7 @@ from .body import Body
 from .constraint import Constraint
 from .errors import InputError
 from .probe import Probe, probes_of
-from .rigid import body_of
+from .rigid import Rigid, body_of
 from .run import Run
 from .solid import Solid
 from .writer import Writer
@@ -70,6 +70,9 @@ class Simulation(Fixed):
         """Computes a step. h: its length, s; None: chosen by the scene, ends at frames at the
         latest. StepError: the step failed, and the state is that of the step before."""
         info = StepInfo()
+        for body in self.bodies.values():
+            if isinstance(body, Rigid):
+                body.begin_step()
         if h is None:
             self._handle.call(lib.pdyn_step_sized, byref(info), sizeof(info))
         else:

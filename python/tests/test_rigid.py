@@ -24,6 +24,16 @@ def load(**more):
 
 
 class Rigid(unittest.TestCase):
+    def test_wrench_keeps_its_direction(self):
+        scene = projdyn.Scene(gravity=[0, 0, 0], duration=1)
+        scene.add_rigid(box=([0, 0, 0], [0.1, 0.1, 0.1]), density=2000, name="box")
+        sim = scene.load()
+        box = sim.bodies["box"]
+        box.set_wrench([0, 0, 0], [0, 0, 0.01])
+        for _ in sim.run():
+            pass
+        np.testing.assert_allclose(box.angular_velocity, [0, 0, 3 * sim.time], atol=0.01)
+
     def test_state(self):
         sim = load(velocity=[1, 2, 3], angular_velocity=[0, 2, 0])
         box = sim.bodies["box"]

@@ -38,7 +38,7 @@ const pdyn_param settings_solver_params[] = {
      "a step is solved when |grad E| over weight (or impact) and load of every body falls below"},
     {"outer_iterations", PDYN_INT, SETTING(outer_iterations), false, 100, 1, 1e5, "",
      "local/global iterations of a step at most"},
-    {"linear_tolerance", PDYN_REAL, SETTING(linear_tolerance), false, 0.01, 0, 1, "1",
+    {"linear_tolerance", PDYN_REAL, SETTING(linear_tolerance), false, 0.01, 0, 0.9, "1",
      "a linear solve ends when its residual has fallen by this factor, or far enough for "
      "tolerance"},
     {"linear_iterations", PDYN_INT, SETTING(linear_iterations), false, 500, 1, 1e6, "",
