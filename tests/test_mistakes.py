@@ -107,6 +107,9 @@ MISTAKES = [
     Mistake("friction in percent", change(("contact.friction", 30)), 'contact: "friction" of 30 is unusual, expected 0 to 10'),
     Mistake("surface tension in mN/m", change(("bodies.0.constraints.1", {"type": "surface_tension", "tension": 72}), ("duration", 0.02), *WATER_ONLY),
             'water: "tension" of 72 N/m is unusual', codes=(0, 0)),
+    Mistake("a fluid too soft for its drops", change(("bodies.0.constraints.0", {"type": "fluid", "sound_speed": 0.2}),
+                                                     ("bodies.0.constraints.1", {"type": "surface_tension", "tension": 0.072}), ("duration", 0.02), *WATER_ONLY),
+            "water: a sound speed of 0.2 m/s is low for a surface tension of 0.072 N/m, expected 0.42 m/s or more", codes=(0, 0)),
     Mistake("viscosity of pitch", change(("bodies.0.constraints.1", {"type": "viscosity", "viscosity": 1e8}), *WATER_ONLY), 'water: "viscosity" of 1e+08 Pa s is unusual'),
     Mistake("air pressure in bar", change(("solids", []), ("bodies.0", None), ("bodies.0", {
         "name": "bag", "surface": {"mesh": "huge.obj", "scale": 1e-4, "area_density": 0.2}, "constraints": [

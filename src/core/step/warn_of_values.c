@@ -53,6 +53,27 @@ static void check_parameters(struct pdyn_sim *sim, const struct scene_body *body
     }
 }
 
+/* ---- fluids with surface tension --------------------------------------------------------------
+ */
+
+/* Sound speed over sqrt(tension / (rest density x spacing)) that drops need, and the least without
+ * a warning (docs/theory/surface-tension.md). */
+static const double needed_speed = 10.0, least_speed = 5.0;
+
+/* Drops whose surface compresses the fluid. */
+static void check_softness(struct pdyn_sim *sim, int b, double tension) {
+    const struct scene_body *body = &sim->scene.body[b];
+    double speed = sqrt(tension / (body->rest_density * 2.0 * body->radius));
+    for (int k = 0; k < body->constraints; k++) {
+        double sound = parameter(&body->constraint[k], "sound_speed");
+        if (!strcmp(body->constraint[k].type->name, "fluid") && sound < least_speed * speed)
+            WARN(sim, UNUSUAL, body->name,
+                 "a sound speed of %.3g m/s is low for a surface tension of %g N/m, expected %.2g "
+                 "m/s or more: the surface compresses the fluid, and its particles clump",
+                 sound, tension, needed_speed * speed);
+    }
+}
+
 /* ---- gravity and weight ---------------------------------------------------------------------- */
 
 /* Tanks that are open at the top, towards which gravity points: its sign is wrong. One that is open
@@ -118,6 +139,8 @@ static void check_body(struct pdyn_sim *sim, int b) {
         const struct scene_constraint *c = &body->constraint[k];
         check_parameters(sim, body, c);
         check_path(sim, b, c);
+        if (!strcmp(c->type->name, "surface_tension"))
+            check_softness(sim, b, parameter(c, "tension"));
         if (!strcmp(c->type->name, "tet") && !warn_lightest_fluid(sim)) check_collapse(sim, b, c);
     }
 }
