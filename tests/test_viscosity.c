@@ -196,6 +196,42 @@ static void test_sheet(void **state) {
     pdyn_destroy(context);
 }
 
+/* Fluid in a box that turns comes to turn as fast as the box, with both kernels: the points of a
+ * box, which lie a fifth of its half width outside of this one, move faster than its faces. */
+static void test_turning_box(void **state) {
+    static struct block b;
+    const double turning = 0.5 * M_PI; /* 1/s */
+    const char *more[] = {"kernel",
+                          "cubic_spline",
+                          "time_step.fixed",
+                          "0.002",
+                          "bodies.honey.constraints.no_slip.viscosity",
+                          "10",
+                          "solids.box",
+                          "{'box': {'minimum': [-0.05, -0.03, -0.05], 'maximum': [0.05, 0.03, "
+                          "0.05]}, 'motion': [{'time': 0}, {'time': 1, 'rotate': [0, 90, 0]}]}",
+                          NULL};
+    (void)state;
+    add_block(&b, 10, 6, 10);
+    for (int kernel = 0; kernel < 2; kernel++) {
+        if (kernel) more[1] = "wendland";
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim = load(context, &b, "10", more);
+        double moment = 0.0, inertia = 0.0;
+        for (int n = 0; n < 40; n++) test_step(context, sim);
+        const pdyn_state s = pdyn_get_state(sim);
+        for (int i = 0; i < s.particles; i++) {
+            const double *x = s.x + 3 * i, *v = s.v + 3 * i;
+            moment += x[2] * v[0] - x[0] * v[2], inertia += x[0] * x[0] + x[2] * x[2];
+        }
+        if (fabs(moment / inertia / turning - 1.0) > 0.01)
+            fail_msg("%s: the fluid turns %.4f times as fast as its box", more[1],
+                     moment / inertia / turning);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
 static const char *const stirred[] = {
     "time_step.fixed",
     "0.002",
@@ -314,7 +350,7 @@ int main(void) {
         cmocka_unit_test(test_couette),          cmocka_unit_test(test_sheet),
         cmocka_unit_test(test_beside_pressures), cmocka_unit_test(test_zero),
         cmocka_unit_test(test_threads),          cmocka_unit_test(test_warning),
-        cmocka_unit_test(test_approach)};
+        cmocka_unit_test(test_approach),         cmocka_unit_test(test_turning_box)};
     return cmocka_run_group_tests_name("viscosity", tests, test_enter_directory,
                                        test_leave_directory);
 }

@@ -297,6 +297,9 @@ typedef struct pdyn_neighbours {
     const struct kernel_model *kernel; /* of the scene (kernel.h) */
     const double *sample_share;        /* samples, m: volume over the area of the sample's triangle;
                                           `volume` has the product at the beginning of a step */
+    int moving;            /* the last ones of the boundary points: those of moving solids */
+    const double *layer_x; /* moving x 3, m: where the first layer of fluid rests in front of a
+                              point of a box, moved with the solid; else the point */
 } pdyn_neighbours;
 
 /* One-sided scalar constraints C_i <= 0 at the last local step. The energy of constraint i, J, is

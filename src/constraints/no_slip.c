@@ -7,7 +7,8 @@
  *
  * lambda_is: what s adds to the density of i; lambda_0: what a plane adds at d/2. A layer at this
  * distance then feels the stress mu v / (d/2). mu: Pa s; d: particle spacing. u selects the corners
- * of a sample; a point of a solid moves a. */
+ * of a sample; a solid moves a, with the velocity of its rigid motion where the first layer rests,
+ * so that fluid that turns with a box feels no stress. */
 #include "listed_points.h"
 
 #include "projdyn/kernel.h"
@@ -28,7 +29,7 @@ static const pdyn_param params[] = {{"viscosity", PDYN_REAL, offsetof(struct par
 struct dashpot {
     double coefficient; /* c, N s/m */
     double base[3];     /* a, m, without the motion of a point of a solid */
-    double point_x[3];  /* m: the point of a solid when the step begins */
+    double layer_x[3];  /* m: layer_x of a point of a moving solid when the step begins */
     int particle, point;
 };
 
@@ -48,6 +49,12 @@ static double share_of(const struct surfaces *s, const pdyn_neighbours *l, int i
                : volume * kernel_value(&s->volume, vec3_length(r)) / l->kernel->half_volumes;
 }
 
+/* layer_x of a point of a moving solid; NULL: it does not move. */
+static const double *moving_place(const pdyn_neighbours *l, int point) {
+    int first = l->points - l->moving;
+    return point < first ? NULL : l->layer_x + 3 * (size_t)(point - first);
+}
+
 static int update(const void *par, const pdyn_batch *b, const double *x, const double *v,
                   int room) {
     const pdyn_neighbours *l = b->neighbours;
@@ -63,10 +70,11 @@ static int update(const void *par, const pdyn_batch *b, const double *x, const d
             vec3_subtract(r, x + 3 * (size_t)i, at);
             double share = share_of(&surfaces, l, i, k, r);
             if (!(share > 0.0) || count++ >= room) continue;
-            dashpots(b)[count - 1] = (struct dashpot){.coefficient = 2.0 * mu * spacing * share,
-                                                      .point_x = {at[0], at[1], at[2]},
-                                                      .particle = i,
-                                                      .point = l->index[k]};
+            struct dashpot *d = dashpots(b) + count - 1;
+            const double *layer = moving_place(l, l->index[k]);
+            *d = (struct dashpot){
+                .coefficient = 2.0 * mu * spacing * share, .particle = i, .point = l->index[k]};
+            if (layer) memcpy(d->layer_x, layer, sizeof d->layer_x);
         }
     return count;
 }
@@ -97,7 +105,7 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     for (int e = first; e < last; e++) b->weight[e] = dashpots(b)[e].coefficient / b->h;
 }
 
-/* p: a, moved by h times the velocity of a point of a solid */
+/* p: a, moved by h times the velocity of a solid at layer_x */
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
     const pdyn_neighbours *l = b->neighbours;
     (void)par;
@@ -105,9 +113,8 @@ static void project(const void *par, const pdyn_batch *b, int first, int last) {
         const struct dashpot *d = dashpots(b) + e;
         double *p = b->p + 3 * e;
         memcpy(p, d->base, sizeof d->base);
-        if (d->point < l->particles) continue;
-        const double *x = l->boundary_x + 3 * (size_t)(d->point - l->particles);
-        for (int a = 0; a < 3; a++) p[a] += b->h / b->length * (x[a] - d->point_x[a]);
+        const double *layer = moving_place(l, d->point);
+        for (int a = 0; layer && a < 3; a++) p[a] += b->h / b->length * (layer[a] - d->layer_x[a]);
     }
 }
 

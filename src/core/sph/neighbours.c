@@ -136,6 +136,8 @@ pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_poi
                                 .has_volumes = points->has_volumes,
                                 .kernel = points->kernel,
                                 .particles = points->particles,
+                                .moving = points->moving,
+                                .layer_x = points->layer_x,
                                 .points = points->particles + points->boundary};
     pdyn_status status = resize_arrays(n, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
     if (status == PDYN_OK) status = visibility_create(n, points->occlusion);

@@ -18,13 +18,14 @@ struct neighbours;
 
 struct kernel_model;
 
-struct neighbours_points { /* input of neighbours_create; all arrays are copied */
+struct neighbours_points { /* input of neighbours_create; all arrays but layer_x are copied */
     int particles; /* particles of the system, then the surface samples, which are active but no
                       centres */
     const bool *centre; /* particles: is a fluid particle */
     int boundary;
     const double *boundary_x; /* boundary x 3, m */
     int moving;               /* number of boundary points that may move: the last ones */
+    const double *layer_x;    /* see pdyn_neighbours; not copied, must stay valid */
     const double *volume; /* m^3, particles, then boundary points; 0: the particle is not active */
     const bool *is_wall;  /* boundary: the point has a volume and the support of centres */
     double support, surface_support; /* m, see pdyn_neighbours */

@@ -53,6 +53,7 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
                                        .boundary = sim->boundary.at.count,
                                        .boundary_x = sim->boundary.at.x,
                                        .moving = sim->kinematic.points,
+                                       .layer_x = sim->kinematic.layer.x,
                                        .volume = volume,
                                        .support = support,
                                        .is_wall = is_wall,

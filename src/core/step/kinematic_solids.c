@@ -4,6 +4,7 @@
 #include "given_motion.h"
 #include "scene/poses.h"
 #include "sim.h"
+#include "sph/boundary.h"
 
 #include "projdyn/control.h"
 #include "projdyn/vec3.h"
@@ -22,15 +23,26 @@ static pdyn_status allocate_solids(struct pdyn_sim *sim) {
     return PDYN_OK;
 }
 
+/* Adds the point i of a solid, and its place in the first layer: a point of a box lies behind the
+ * face, and fluid rests half a spacing before it. */
+static pdyn_status add_point(struct pdyn_sim *sim, const struct scene_solid *solid, int i) {
+    struct kinematic_solids *moving = &sim->kinematic;
+    const struct boundary_point *point = &sim->boundary.point[i];
+    double outside = boundary_outside(sim->scene.settings.boundary, sim->scene.settings.kernel);
+    double at[3];
+    vec3_subtract(at, sim->boundary.at.x + 3 * (size_t)i, solid->motion.pivot);
+    pdyn_status status = point_list_add(sim->context, &moving->placed, at);
+    if (point->of_box) vec3_add(at, (outside + 0.5) * sim_spacing(sim), point->normal);
+    if (status == PDYN_OK) status = point_list_add(sim->context, &moving->placed_layer, at);
+    return status == PDYN_OK ? point_list_add(sim->context, &moving->layer, at) : status;
+}
+
 pdyn_status kinematic_add(struct pdyn_sim *sim, const struct scene_solid *solid, int first) {
     struct kinematic_solids *moving = &sim->kinematic;
     struct moving_solid m = {solid, first, sim->boundary.at.count - first, {{0}, {0}}};
     pdyn_status status = allocate_solids(sim);
-    for (int i = first; i < sim->boundary.at.count && status == PDYN_OK; i++) {
-        double from_pivot[3];
-        vec3_subtract(from_pivot, sim->boundary.at.x + 3 * (size_t)i, solid->motion.pivot);
-        status = point_list_add(sim->context, &moving->placed, from_pivot);
-    }
+    for (int i = first; i < sim->boundary.at.count && status == PDYN_OK; i++)
+        status = add_point(sim, solid, i);
     if (status != PDYN_OK) return status;
     if (m.count) m.box = box_around(moving->placed.x + 3 * (size_t)moving->points, m.count);
     moving->solid[moving->solids++] = m;
@@ -41,6 +53,8 @@ pdyn_status kinematic_add(struct pdyn_sim *sim, const struct scene_solid *solid,
 void kinematic_free(pdyn_context *context, struct kinematic_solids *moving) {
     FREE_ARRAY(context, moving->solid, moving->capacity);
     point_list_free(context, &moving->placed);
+    point_list_free(context, &moving->placed_layer);
+    point_list_free(context, &moving->layer);
 }
 
 int kinematic_first_point(const struct pdyn_sim *sim) {
@@ -55,8 +69,11 @@ void kinematic_move(struct pdyn_sim *sim, double time) {
     if (!moving->points) return;
     for (int k = 0; k < moving->solids; k++) {
         const struct moving_solid *m = &moving->solid[k];
-        pose_place(&m->solid->motion, moving->placed.x + 3 * (size_t)(m->first - resting), m->count,
-                   time, sim->boundary.at.x + 3 * (size_t)m->first);
+        size_t at = 3 * (size_t)(m->first - resting);
+        pose_place(&m->solid->motion, moving->placed.x + at, m->count, time,
+                   sim->boundary.at.x + 3 * (size_t)m->first);
+        pose_place(&m->solid->motion, moving->placed_layer.x + at, m->count, time,
+                   moving->layer.x + at);
     }
     if (sim->objective.neighbours)
         neighbours_move_boundary(sim->objective.neighbours,
