@@ -609,7 +609,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 18u
+#define PDYN_ABI 19u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */
