@@ -58,12 +58,12 @@ static void test_wrong_parameters(void **state) {
         "stretching_stiffness, damping");
     refused(
         pdyn_set_parameter(sim, SPRING, "stretching_stiffness", (double[]){-1.0}, 1),
-        "constraint \"spring\" on body \"sheet\": stretching_stiffness: expected 1 number from 0 "
-        "to 1e+12 N/m");
+        "constraint \"spring\" on body \"sheet\": stretching_stiffness: expected a number from 0 "
+        "to 1e+12 N/m, found -1");
     refused(
         pdyn_set_parameter(sim, SPRING, "stretching_stiffness", (double[]){1.0, 2.0}, 2),
-        "constraint \"spring\" on body \"sheet\": stretching_stiffness: expected 1 number from 0 "
-        "to 1e+12 N/m");
+        "constraint \"spring\" on body \"sheet\": stretching_stiffness: expected a number from 0 "
+        "to 1e+12 N/m, found 2 numbers");
     refused(pdyn_set_parameter(sim, SPRING, "damping", (double[]){1.0}, 1),
             "constraint \"spring\" on body \"sheet\": damping must stay 0 while the simulation "
             "runs: to "

@@ -66,13 +66,16 @@ static pdyn_status fail_value(const struct batch *b, const pdyn_param *p, const 
 /* Checks one or three numbers. */
 static pdyn_status check_value(const struct batch *b, const pdyn_param *p, const double *value,
                                int count) {
-    char expected[160];
-    int numbers = p->kind == PDYN_VECTOR ? 3 : 1;
-    snprintf(expected, sizeof expected, "%d number%s from %.10g to %.10g %s", numbers,
-             numbers == 1 ? "" : "s", p->min, p->max, p->unit);
-    bool good = count == numbers;
-    for (int k = 0; good && k < numbers; k++) good = value[k] >= p->min && value[k] <= p->max;
-    return good ? PDYN_OK : fail_value(b, p, expected);
+    char expected[160] = "";
+    int numbers = p->kind == PDYN_VECTOR ? 3 : 1, fit = 0;
+    while (fit < count && value[fit] >= p->min && value[fit] <= p->max) fit++;
+    if (count == numbers && fit == numbers) return PDYN_OK;
+    params_describe_bounds(expected, sizeof expected, numbers == 1 ? "a number" : "3 numbers",
+                           p->min, p->max, p->unit);
+    if (count == numbers) text_append(expected, sizeof expected, ", found %.10g", value[fit]);
+    else
+        text_append(expected, sizeof expected, ", found %d number%s", count, count == 1 ? "" : "s");
+    return fail_value(b, p, expected);
 }
 
 static pdyn_status check_path(const struct batch *b, const pdyn_param *p, const double *value,
