@@ -14,8 +14,7 @@ struct kernel_model {
     double value;   /* pi support^3 W(0), for density 1 in a continuum, or in a cubic lattice */
     double slope;   /* factor in kernel_slope, over W(0) / support^2 */
     double squares; /* |grad C|^2 d^2 of the density ratio C in a cubic lattice */
-    /* of surface_tension (docs/theory/surface-tension.md), measured: A; what is added to the cosine
-     * of the contact angle */
+    /* of surface_tension, measured: A and o of docs/theory/surface-tension.md */
     double tension, wetting_offset;
     double surface;      /* A of the surface kernel */
     double reach;        /* s / d of the surface kernel */

@@ -11,9 +11,10 @@
  * a_i is the surface's area at particle i (Brackbill, Kothe and Zemach 1992). The sum of w r^2 over
  * pairs is 2 A tension times the area, whatever b is. Weights are those of the beginning of the
  * step. The fluid has two surfaces: the free one, which has the tension, and the wet one at walls,
- * with -tension cos(contact angle) (Young 1805), whose springs push where that is negative. Walls
- * count as fluid in n_i, so the free surface ends where the wet one begins. Particles nearer than
- * d / 2 count as that far in s_i: the weight of two that are alone has a bound.
+ * with -tension (cos(contact angle) + o) (Young 1805; o is measured), whose springs push where that
+ * is negative. Walls count as fluid in n_i, so the free surface ends where the wet one begins.
+ * Particles nearer than d / 2 count as that far in s_i: the weight of two that are alone has a
+ * bound.
  * docs/theory/surface-tension.md */
 #include "fluid.h"
 #include "listed_points.h"
@@ -149,10 +150,10 @@ static int add_pairs(const struct params *p, const pdyn_batch *b, const double *
     const pdyn_neighbours *l = b->neighbours;
     const struct kernel_model *kernel = l->kernel;
     struct link *link = b->data;
+    if (is_inside(&site[i])) return count;
     double free = kernel->tension * p->tension,
            wet = -p->tension * (cosine(p) + kernel->wetting_offset);
     int first = count;
-    if (is_inside(&site[i])) return count;
     for (int k = l->start[i]; k < l->surface_start[i]; k++) {
         int j = l->index[k];
         if (j <= i || !body_has(b->body, j) || is_inside(&site[j])) continue;
@@ -191,6 +192,7 @@ static void tie_to_sample(const pdyn_batch *b, int i, int sample, struct link *l
  * spacing away; its force changes little in a step. */
 static int add_pull(const struct params *p, const pdyn_batch *b, const double *x, int i,
                     const struct site *site, int count, int room) {
+    if (!(site->wet.area > 0.0)) return count;
     double d = 2.0 * b->body->radius, steep = vec3_length(site->wall),
            force = reach * p->tension * (1.0 + cosine(p)) * site->wet.area / d;
     if (!(force > 0.0)) return count;

@@ -158,6 +158,7 @@ struct velocity_change {  /* by a step of effective length h, s */
 bool batch_has_impacts(const struct batch *batch);
 /* Whether a batch holds a body by pins. */
 bool batch_pins(const struct batch *batch, const pdyn_body *body);
+/* Whether pins of a batch hold this particle. */
 bool batch_pins_particle(const struct batch *batch, int particle);
 
 /* change->scratch = minus the acceleration by all forces of the batch at the last local step: the

@@ -53,8 +53,7 @@ static void check_parameters(struct pdyn_sim *sim, const struct scene_body *body
     }
 }
 
-/* ---- fluids with surface tension --------------------------------------------------------------
- */
+/* ---- surface tension ------------------------------------------------------------------------- */
 
 /* Sound speed over sqrt(tension / (rest density x spacing)) that drops need, and the least without
  * a warning (docs/theory/surface-tension.md). */
