@@ -144,6 +144,9 @@ MISTAKES = [
             "heavier than the water it displaces by 5 kg/m^2", "[too-light]"),
     Mistake("a towel that its pins dip into water", change(
         ("bodies.1.constraints.1", {"type": "pin", "vertices": ALL, "path": [[0, 0, 0, 0], [0.05, 0, -0.1, 0]]})), "[too-light]"),
+    Mistake("water that fits a sheet exactly", change(("bodies.1.surface.translate", [0, 0.12, 0]), ("contact.thickness", 0.015)),
+            '64 of 96 particles beside "sheet" start closer to it than they rest',
+            "leave 0.0075 m between the surface and the volumes of `fill` [too-close]"),
     Mistake("times in frames", change(("solids.1", {**BALL, "motion": [{"time": 24}, {"time": 48, "translate": [0, 1, 0]}]}), *WATER_ONLY),
             "its motion begins at 24 s, but the scene ends at 0.06 s [never]"),
     Mistake("an outlet that was to be outside", change(("outlets", [ALL]), *WATER_ONLY), "[outlet]"),

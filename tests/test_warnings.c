@@ -585,10 +585,10 @@ static void test_without_elements(void **state) {
 }
 
 /* Loads a scene and returns whether it has a warning of a code about the sheet. */
-static bool warns(const char *scene, const char *code) {
+static bool warns(const char *scene, const char *code, const char *subject) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, scene);
-    bool found = find_warning(sim, code, "sheet").code;
+    bool found = find_warning(sim, code, subject).code;
     pdyn_free(sim);
     pdyn_destroy(context);
     return found;
@@ -607,17 +607,77 @@ static void test_no_stiffness(void **state) {
                             SHEET("{'type': 'pin', 'vertices': {'border': true}, "
                                   "'stiffness': 0}"),
                             ""),
-                      "no-effect"));
-    assert_false(warns(rising, "no-effect"));
-    assert_false(warns(SCENE(STEPS, SHEET(BENDING("0")), ""), "no-effect"));
+                      "no-effect", "sheet"));
+    assert_false(warns(rising, "no-effect", "sheet"));
+    assert_false(warns(SCENE(STEPS, SHEET(BENDING("0")), ""), "no-effect", "sheet"));
 }
 
 /* A light sheet floats on water, but not without gravity. */
 static void test_weightless(void **state) {
     (void)state;
 #define RAFT PAIR(FLUID_BOX("", "0.02", "0, -0.2, 0", "0.1, -0.1, 0.1", ""), SHEET(BENDING("0")))
-    assert_true(warns(SCENE(STEPS, RAFT, ""), "too-light"));
-    assert_false(warns(SCENE(WEIGHTLESS, RAFT, ""), "too-light"));
+    assert_true(warns(SCENE(STEPS, RAFT, ""), "too-light", "sheet"));
+    assert_false(warns(SCENE(WEIGHTLESS, RAFT, ""), "too-light", "sheet"));
+}
+
+#define LAYERS(overlap, body)                                                                      \
+    PAIR("{'name': 'water', 'particles': {'radius': 0.01, " overlap "'fill': [{'box': "            \
+         "{'minimum': [-0.06, -0.06, -0.06], 'maximum': [0.06, 0.06, 0.06]}}]}, "                  \
+         "'constraints': [{'type': 'fluid'}]}",                                                    \
+         body)
+#define CONTACT(thickness) ", 'contact': {'thickness': " thickness "}"
+#define WET_SHEET                                                                                  \
+    GRID_SHEET("'name': 'sheet', ", "0.16, 0.16", "9, 9",                                          \
+               "'area_density': 0.2, 'permeability': 1e-5", SPRINGS("100"))
+#define SOFT_CUBE                                                                                  \
+    "{'name': 'cube', 'volume': {'grid': {'size': [0.12, 0.12, 0.12], 'cells': [4, 4, 4]}, "       \
+    "'translate': [0, 0.12, 0], 'density': 500}, 'constraints': [{'type': 'tet', 'stiffness': "    \
+    "1e4}]}"
+#define RIGID_CUBE                                                                                 \
+    "{'name': 'cube', 'rigid': {'box': {'minimum': [-0.06, 0.06, -0.06], 'maximum': [0.06, 0.18, " \
+    "0.06]}, 'density': 500}}"
+
+static bool lacks_room(const char *scene) { return warns(scene, "too-close", "water"); }
+
+/* A sheet between two layers of water, half a spacing from each: too close for the thickness of
+ * 0.3 spacings. Not for one of 0.2, without contact, for points that know no thickness, and for
+ * particles that are to be kept. */
+static void test_room(void **state) {
+    (void)state;
+    assert_true(lacks_room(SCENE(STEPS, LAYERS("", SHEET_AT("sheet", "0")), CONTACT("0.006"))));
+    assert_false(lacks_room(SCENE(STEPS, LAYERS("", SHEET_AT("sheet", "0")), CONTACT("0.004"))));
+    assert_false(lacks_room(SCENE(STEPS, LAYERS("", SHEET_AT("sheet", "0")), "")));
+    assert_false(lacks_room(SCENE(STEPS, LAYERS("", SHEET_AT("sheet", "0")),
+                                  ", 'boundary': 'points'" CONTACT("0.006"))));
+    assert_false(lacks_room(
+        SCENE(STEPS, LAYERS("'overlap': 'keep', ", SHEET_AT("sheet", "0")), CONTACT("0.006"))));
+}
+
+/* Above the water: half a spacing from the particles, and farther by what water rests from it. */
+static void test_room_above(void **state) {
+    (void)state;
+    assert_true(lacks_room(SCENE(STEPS, LAYERS("", SHEET_AT("sheet", "0.06")), CONTACT("0.006"))));
+    assert_false(
+        lacks_room(SCENE(STEPS, LAYERS("", SHEET_AT("sheet", "0.063")), CONTACT("0.006"))));
+}
+
+/* A rigid body has the thickness of contact, a soft one and a sheet that water passes have none. */
+static void test_room_by_kind(void **state) {
+    (void)state;
+    assert_true(lacks_room(SCENE(STEPS, LAYERS("", RIGID_CUBE), CONTACT("0.006"))));
+    assert_false(lacks_room(SCENE(STEPS, LAYERS("", SOFT_CUBE), CONTACT("0.006"))));
+    assert_false(lacks_room(SCENE(STEPS, LAYERS("", WET_SHEET), CONTACT("0.006"))));
+}
+
+/* The distances of particles from a ball are any: those that are too close have room elsewhere. */
+static void test_room_around_ball(void **state) {
+    (void)state;
+    assert_false(lacks_room(
+        SCENE(STEPS,
+              PAIR(FLUID_BOX("'name': 'water', ", "0.01", "-0.1, -0.1, -0.1", "0.1, 0.1, 0.1", ""),
+                   "{'name': 'ball', 'rigid': {'sphere': {'center': [0.003, 0.007, 0.002], "
+                   "'radius': 0.06}, 'density': 500}}"),
+              CONTACT("0.012"))));
 }
 
 int main(void) {
@@ -647,6 +707,10 @@ int main(void) {
         cmocka_unit_test(test_without_elements),
         cmocka_unit_test(test_no_stiffness),
         cmocka_unit_test(test_weightless),
+        cmocka_unit_test(test_room),
+        cmocka_unit_test(test_room_above),
+        cmocka_unit_test(test_room_by_kind),
+        cmocka_unit_test(test_room_around_ball),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);

@@ -30,6 +30,7 @@
     X(SEAMS, "seams")                                                                              \
     X(COINCIDENT, "coincident")                                                                    \
     X(OVERLAP, "overlap")                                                                          \
+    X(TOO_CLOSE, "too-close")                                                                      \
     X(FACTOR, "factor")                                                                            \
     X(UNSOLVED, "unsolved")                                                                        \
     X(SLOWED, "slowed")                                                                            \

@@ -34,12 +34,16 @@ double boundary_outside(const struct boundary_model *model, const struct kernel_
     return model->volumes ? model->outside : kernel->outside;
 }
 
+double boundary_farther(double thickness, double spacing) {
+    return fmin(0.5 * thickness / spacing, 0.3);
+}
+
 pdyn_status boundary_volumes(pdyn_context *context, const struct sampling *sampling, int count,
                              const double *x, const double *area, double *volume) {
     const struct boundary_model *model = sampling->model;
     const struct kernel_model *kernel = sampling->kernel;
     double spacing = sampling->spacing;
-    double factor = surface_kernel_farther(kernel, fmin(0.5 * sampling->thickness / spacing, 0.3));
+    double factor = surface_kernel_farther(kernel, boundary_farther(sampling->thickness, spacing));
     if (model->volumes)
         return point_volumes(context, count, x, kernel, kernel->support * spacing, volume);
     for (int k = 0; k < count; k++) volume[k] = factor * area[k] * spacing;

@@ -19,14 +19,17 @@ struct sampling { /* of a surface */
     const struct boundary_model *model;
     const struct kernel_model *kernel;
     double spacing;   /* m, of the fluid's particles */
-    double thickness; /* m, of a sheet: its sides are half of it away from the points, at most 0.3
-                         spacings; 0 for the surface of a volume */
+    double thickness; /* m, of a sheet; 0 for the surface of a volume */
 };
 
 /* Support of the kernel of points on meshes, in particle spacings. */
 double boundary_support(const struct boundary_model *model, const struct kernel_model *kernel);
 /* Distance of the points of a vessel behind its faces, in particle spacings. */
 double boundary_outside(const struct boundary_model *model, const struct kernel_model *kernel);
+
+/* Distance, in particle spacings, by which a fluid rests farther from a sheet because of its
+ * thickness, m: half of it, at most 0.3 spacings (docs/theory/interface.md#thickness). */
+double boundary_farther(double thickness, double spacing);
 
 /* Computes the volumes, m^3, with which the points of a surface enter SPH sums, from their areas,
  * m^2: area times spacing, or 1 / sum W. x: count x 3, m. */

@@ -98,8 +98,11 @@ pdyn_status lists_create(struct pdyn_sim *sim) {
     if (status != PDYN_OK) return status;
     live_particles_update_lists(sim);
     status = objective_build_lists(&sim->objective, sim->x);
-    for (int b = 0; status == PDYN_OK && b < sim->bodies; b++)
-        if (has_neighbour_lists(sim, b)) warn_of_fills(sim, b);
+    for (int b = 0; status == PDYN_OK && b < sim->bodies; b++) {
+        if (!has_neighbour_lists(sim, b)) continue;
+        warn_of_fills(sim, b);
+        status = warn_of_room(sim, b);
+    }
     return status;
 }
 

@@ -28,6 +28,8 @@ void warn_of_water(struct pdyn_sim *sim);
 
 /* Warns of particles of a body that are too close to each other, from the neighbour lists. */
 void warn_of_fills(struct pdyn_sim *sim, int body);
+/* Warns of a body of particles without room for the contact thickness of surfaces. */
+pdyn_status warn_of_room(struct pdyn_sim *sim, int body);
 
 /* Mean length of the edges of a surface at rest, m. */
 double warn_mean_edge(const pdyn_body *body);
