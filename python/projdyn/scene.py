@@ -1,6 +1,7 @@
 """Scenes: the values of a scene file and the arrays that stand for its mesh files."""
 from __future__ import annotations
 
+import difflib
 import json
 from ctypes import c_char_p
 from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence, Union
@@ -29,7 +30,8 @@ class Scene:
         scene["time_step.maximum"] = 0.002
         scene["bodies.sheet.constraints.spring.stretching_stiffness"] = 500
 
-    A path has dots between keys; an element of an array has its name, its type or its index.
+    A path has dots between keys; an element of an array has its name, its type or its index. A path
+    into a body, solid or probe that the scene does not have is an error.
     """
 
     def __init__(self, name: str = "scene", *, duration: float = 1.0, threads: int = 0,
@@ -63,8 +65,8 @@ class Scene:
 
     def __repr__(self) -> str:
         values = self.to_dict()
-        return f"<scene {values.get('name', '')}: {_names(values, 'bodies', 'body')}" \
-            f"{_names(values, 'solids', 'solid', '; solids ')}>"
+        bodies, solids = (", ".join(_element_names(values, key)) for key in ("bodies", "solids"))
+        return f"<scene {values.get('name', '')}: {bodies}{solids and '; solids ' + solids}>"
 
     def __iter__(self) -> Iterator[str]:
         """The keys of the scene."""
@@ -84,14 +86,17 @@ class Scene:
         self[path] = None
 
     def __setitem__(self, path: str, value: Any) -> None:
-        """Sets a value; None removes it. What is missing on the way is made. Checks are made by
-        load."""
-        self._set(path, json_text(text(path, "path"), value))
+        """Sets a value; None removes it. What is missing on the way is made, except a body, solid
+        or probe. Checks are made by load."""
+        keys = _keys(path)
+        if len(keys) > 2:
+            self._check_element(path, keys[0], keys[1])
+        self._set(path, json_text(path, value))
 
     def __getitem__(self, path: str) -> Any:
         """A copy of a value. KeyError: it was not given."""
         value: Any = self.to_dict()
-        for key in text(path, "path").replace("[", ".").replace("]", "").split("."):
+        for key in _keys(path):
             try:
                 value = value[key] if isinstance(value, dict) else _element(value, key)
             except (KeyError, IndexError, TypeError, ValueError):
@@ -235,6 +240,16 @@ class Scene:
     def _set(self, path: str, value: str) -> None:
         self._handle.call(lib.pdyn_scene_set, path.encode(), b"%s", value.encode())
 
+    def _check_element(self, path: str, key: str, name: str) -> None:
+        """InputError: the path leads into a body, solid or probe of a name that nothing has."""
+        if key not in dict(_NAMED) or name.isdigit() or f"{key}.{name}" in self:
+            return
+        known = _element_names(self.to_dict(), key)
+        nearest = difflib.get_close_matches(name, known, 1)
+        raise InputError(f'{path}: {key} has no element "{name}"'
+                         + (f'; did you mean "{nearest[0]}"?' if nearest else "")
+                         + f"; known: {', '.join(known) or 'none'}")
+
     def _add_body(self, name: str, form: str, shape: dict[str, Any], others: dict[str, Any],
                   constraints: dict[str, Constraints], arrays: Optional[_Arrays]) -> str:
         parts = [{"type": kind, **part} for kind, given in constraints.items()
@@ -253,8 +268,7 @@ class Scene:
     def _name(self, name: Optional[str], key: str, word: str) -> str:
         """The name of a new element: the given one, which nothing else may have, or a free one."""
         values = self.to_dict()
-        taken = {entry.get("name", f"{other}{k}") for list_, other in _NAMED
-                 for k, entry in enumerate(values.get(list_, []))}
+        taken = {known for list_, _ in _NAMED for known in _element_names(values, list_)}
         if name:
             if text(name, "name") in taken:
                 raise InputError(f'name: "{name}" is already taken by another body, solid or probe')
@@ -312,10 +326,15 @@ def _new(make: Callable[..., int], name: Path, threads: int, allow_plugins: bool
     return Handle(context.make(make, file), lib.pdyn_scene_free, context)
 
 
-def _names(values: dict[str, Any], key: str, word: str, before: str = "") -> str:
-    """The names of the bodies or the solids of a scene."""
-    names = [entry.get("name", f"{word}{k}") for k, entry in enumerate(values.get(key, []))]
-    return before + ", ".join(names) if names else ""
+def _keys(path: str) -> list[str]:
+    """The keys of a path."""
+    return text(path, "path").replace("[", ".").replace("]", "").split(".")
+
+
+def _element_names(values: dict[str, Any], key: str) -> list[str]:
+    """The names of the bodies, solids or probes of a scene."""
+    word = dict(_NAMED)[key]
+    return [entry.get("name", f"{word}{k}") for k, entry in enumerate(values.get(key, []))]
 
 
 def _given(**keys: Any) -> dict[str, Any]:

@@ -27,6 +27,24 @@ class Scenes(unittest.TestCase):
         self.assertEqual(list(sim.gravity), [0, -1, 0])
         self.assertLessEqual(sim.step().h, 0.002)
 
+    def test_a_path_makes_no_body_of_a_misspelt_name(self):
+        scene = hanging_sheet()
+        before = scene.to_dict()
+        with self.assertRaisesRegex(
+                projdyn.InputError, r'^bodies\.shet\.surface\.area_density: bodies has no element '
+                r'"shet"; did you mean "sheet"\?; known: sheet$'):
+            scene["bodies.shet.surface.area_density"] = 1
+        with self.assertRaisesRegex(projdyn.InputError, 'no element "ball"; known: none$'):
+            scene["solids[ball].sphere.radius"] = 1
+        self.assertEqual(scene.to_dict(), before)
+        scene["solids.ball"] = {"sphere": {"center": [0, -9, 0], "radius": 1}}
+        scene["solids.ball.sphere.radius"] = 2
+        scene["probes.0.name"] = "border"
+        scene["probes.border.pins"] = "sheet"
+        scene["bodies.sheet.constraints.wind.velocity"] = [1, 2, 3]
+        sim = scene.load()
+        self.assertEqual((list(sim.solids), list(sim.probes)), (["ball"], ["border"]))
+
     def test_values_are_removed(self):
         scene = hanging_sheet(gravity=[0, -1, 0], contact=None)
         self.assertIn("bodies.sheet.constraints.pin", scene)
