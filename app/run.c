@@ -175,6 +175,13 @@ static int parse(struct run_options *o, int argc, char **argv) {
         return EXIT_BAD_INPUT;
     }
     o->scene.scene = argv[optind];
+    if (run_record_exists(o->scene.scene)) {
+        fprintf(stderr,
+                "projdyn: %s: expected a scene file, found the folder of a run; to continue it: "
+                "projdyn run --resume %s; to look at it: projdyn replay %s\n",
+                o->scene.scene, o->scene.scene, o->scene.scene);
+        return EXIT_BAD_INPUT;
+    }
     if (!o->output) o->output = o->default_output = default_output("", o->scene.scene);
     return o->output ? -1 : EXIT_FAILED;
 }

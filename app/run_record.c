@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* DIRECTORY/run.json; the caller frees it. NULL with a message if memory ran out. */
 static char *path_in(const char *directory) {
@@ -14,6 +15,13 @@ static char *path_in(const char *directory) {
     if (asprintf(&path, "%s/run.json", directory) >= 0) return path;
     report_no_memory();
     return NULL;
+}
+
+bool run_record_exists(const char *directory) {
+    char *path = path_in(directory);
+    bool exists = path && !access(path, F_OK);
+    free(path);
+    return exists;
 }
 
 /* ---- writing --------------------------------------------------------------------------------- */

@@ -5,6 +5,9 @@
 
 #include "scene_options.h"
 
+/* Whether DIRECTORY is the folder of a run: it has a run.json. */
+bool run_record_exists(const char *directory);
+
 /* Writes DIRECTORY/run.json atomically (to a temporary file, then rename). `end`: s; 0: that of the
  * scene. Returns EXIT_GOOD, or another exit code after a message. */
 int run_record_write(const char *directory, const struct scene_options *options, double end);

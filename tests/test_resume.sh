@@ -85,6 +85,9 @@ check "a run longer than its scene" "$program" run --resume long --quiet --time 
 check "no run" refuses "no run to continue" "$program" run --resume nowhere
 check "not beside a scene" refuses "taken from the resumed run" "$program" run --resume whole "$scene"
 "$program" run "$scene" --quiet -o shorter --time 0.04 >/dev/null
+check "not as a scene" refuses "to continue it: projdyn run --resume whole; to look at it: projdyn replay whole" \
+    "$program" run whole
+check "nor any folder" refuses "a regular file, found a folder" "$program" run whole/solids
 check "not with another scene" refuses "only the duration, colours, step lengths" "$program" run --resume shorter --set gravity=[0,0,0]
 check "not with an unknown key" refuses 'did you mean "solver"' "$program" run --resume shorter --set solvr.tolerance=1
 check "with other iterations" "$program" run --resume shorter --quiet --time 0.08 --set solver.outer_iterations=1 \
