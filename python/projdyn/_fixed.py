@@ -1,13 +1,14 @@
 """Objects whose attributes are set once: a later assignment would change nothing in the library."""
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 
 class Fixed:
     """After fix(), only properties can be assigned; another name is an AttributeError."""
 
     _is_fixed = False
+    _instead: dict[str, str] = {}  # what to use for an attribute that a similar class has
 
     def fix(self) -> None:
         """Called at the end of the constructor."""
@@ -17,3 +18,12 @@ class Fixed:
         if self._is_fixed and not isinstance(getattr(type(self), name, None), property):
             raise AttributeError(f"{name} of {self!r} cannot be assigned: methods make changes")
         object.__setattr__(self, name, value)
+
+    def _hint(self, name: str) -> str:
+        return self._instead[name]
+
+    if not TYPE_CHECKING:  # for which every name would be an attribute
+        def __getattr__(self, name: str) -> Any:
+            if name in self._instead:
+                raise AttributeError(f"{self!r} has no {name}: {self._hint(name)}")
+            return object.__getattribute__(self, name)  # the usual AttributeError

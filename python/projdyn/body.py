@@ -31,6 +31,12 @@ def end_of_masses(handle: Handle, index: int, particles: int) -> int:
     return after.first if after.name else particles
 
 
+def has_pose(handle: Handle, index: int, particles: int) -> bool:
+    """Whether a body of the simulation is rigid: it has points behind its vertices."""
+    info = body_info(handle, index)
+    return end_of_masses(handle, index, particles) - info.first - info.count == POINTS
+
+
 class Body(Fixed):
     """A fluid, a sheet, a soft solid or a rigid body of n particles (vertices).
 
@@ -54,6 +60,11 @@ class Body(Fixed):
     """
 
     is_rigid = False
+    _instead = {"set_pose": "set_positions places its particles",
+                "set_motion": "set_velocities sets those of its particles",
+                "set_wrench": "set_forces sets those on its particles",
+                "position": "x has those of its particles",
+                "velocity": "v has those of its particles"}
 
     def __init__(self, handle: Handle, index: int, state: dict) -> None:
         self._handle, self._index = handle, index
@@ -140,6 +151,14 @@ class Body(Fixed):
             self._handle.call(lib.pdyn_release, particle)
 
     # ---- parts ----------------------------------------------------------------------------------
+
+    def _hint(self, name: str) -> str:
+        rigid, index = [], 0
+        while (info := body_info(self._handle, index)).name:
+            if has_pose(self._handle, index, len(self._all["mass"])):
+                rigid.append(info.name.decode())
+            index += 1
+        return f"{self._instead[name]}; rigid bodies have {name}: {', '.join(rigid) or 'none here'}"
 
     def _info(self) -> BodyInfo:
         return body_info(self._handle, self._index)

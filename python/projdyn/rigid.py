@@ -8,7 +8,7 @@ import numpy as np
 from ._arrays import address, doubles
 from ._handles import Handle
 from ._library import lib
-from .body import POINTS, Body, body_info, end_of_masses
+from .body import POINTS, Body, has_pose
 from .errors import InputError
 
 
@@ -20,6 +20,7 @@ class Rigid(Body):
     """
 
     is_rigid = True
+    _instead = {"pose": "position and rotation are its pose", "move": "set_pose places it at once"}
 
     def __init__(self, handle: Handle, index: int, state: dict) -> None:
         self._wrench: list[tuple[np.ndarray, np.ndarray]] = []  # one while there is a moment
@@ -81,6 +82,9 @@ class Rigid(Body):
 
     # ---- parts ----------------------------------------------------------------------------------
 
+    def _hint(self, name: str) -> str:
+        return self._instead[name]
+
     def begin_step(self) -> None:
         """A moment is forces on points, which turn with the body: they are set anew."""
         for wrench in self._wrench:
@@ -101,6 +105,4 @@ class Rigid(Body):
 
 def body_of(handle: Handle, index: int, state: dict) -> Body:
     """The body of this index, a Rigid where it is one."""
-    info = body_info(handle, index)
-    points = end_of_masses(handle, index, len(state["mass"])) - info.first - info.count
-    return (Rigid if points == POINTS else Body)(handle, index, state)
+    return (Rigid if has_pose(handle, index, len(state["mass"])) else Body)(handle, index, state)

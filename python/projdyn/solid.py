@@ -39,6 +39,11 @@ def load_by(handle: Handle, function: Callable[..., int], index: int,
 class Solid(Fixed):
     """A wall or an obstacle."""
 
+    _instead = {"set_pose": 'move moves it there, with "motion" in the scene',
+                "set_motion": 'move moves it, with "motion" in the scene',
+                "position": "pose.translate is that from its place in the scene",
+                "rotation": "pose.rotate is that from its place in the scene"}
+
     def __init__(self, handle: Handle, index: int, name: str) -> None:
         self._handle, self._index, self.name = handle, index, name
         self.fix()

@@ -86,6 +86,31 @@ class Rigid(unittest.TestCase):
         np.testing.assert_allclose(box.position, [0, 0, 3], atol=1e-12)
         box.set_pose([0, 0, 3], turned(0.7) + 1e-8)
 
+    def test_other_bodies_have_no_pose(self):
+        sim = load()
+        sheet, box = sim.bodies["sheet"], sim.bodies["box"]
+        for name, instead in (("set_pose", "set_positions"), ("set_motion", "set_velocities"),
+                              ("set_wrench", "set_forces"), ("position", "x"), ("velocity", "v")):
+            with self.assertRaisesRegex(AttributeError, f"<body sheet of .*> has no {name}: {instead} .*; "
+                                        f"rigid bodies have {name}: box$"):
+                getattr(sheet, name)
+            self.assertTrue(hasattr(box, name) and hasattr(sheet, instead))
+        for name in ("pose", "move"):
+            with self.assertRaisesRegex(AttributeError, f"has no {name}: .*(position|set_pose)"):
+                getattr(box, name)
+        with self.assertRaisesRegex(AttributeError, "^'Body' object has no attribute 'place'$"):
+            sheet.place
+        scene = projdyn.Scene(threads=1)
+        scene.add_fluid(box=([0, 0, 0], [1, 1, 1]), radius=0.25, name="water", fluid={})
+        scene.add_solid(name="tank", box=([0, 0, 0], [1, 1, 1]))
+        sim = scene.load()
+        with self.assertRaisesRegex(AttributeError, "rigid bodies have set_pose: none here$"):
+            sim.bodies["water"].set_pose
+        for name, instead in (("set_pose", "move"), ("set_motion", "move"), ("position", "pose"),
+                              ("rotation", "pose")):
+            with self.assertRaisesRegex(AttributeError, f"<solid tank> has no {name}: {instead}"):
+                getattr(sim.solids["tank"], name)
+
 
 if __name__ == "__main__":
     unittest.main()
