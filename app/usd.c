@@ -130,11 +130,9 @@ static void make_name(const struct run *run, const struct part *part, char name[
 }
 
 /* Begins a prim with its colour, for programs that read no materials, and its material. */
-static int begin_prim(struct stage *stage, const struct part *part, const char *type) {
+static void begin_prim(struct stage *stage, const struct part *part, const char *type) {
     char name[PRIM_SIZE];
     struct usd_look *look = &stage->look[part - stage->run->part];
-    int code = usd_find_look(stage->run, part, look);
-    if (code != EXIT_GOOD) return code;
     bool points = !strcmp(type, "Points");
     if (points) look->opacity = 1.0;
     make_name(stage->run, part, name);
@@ -146,12 +144,11 @@ static int begin_prim(struct stage *stage, const struct part *part, const char *
             type, name, stage->looks, name, look->color[0], look->color[1], look->color[2],
             look->opacity);
     if (look->two_sided && !points) fputs("        uniform bool doubleSided = 1\n", stage->file);
-    return EXIT_GOOD;
 }
 
 static int put_particles(struct stage *stage, const struct part *part) {
-    int code = begin_prim(stage, part, "Points");
-    if (code == EXIT_GOOD) code = put_samples(stage, part, "point3f[] points", put_points);
+    begin_prim(stage, part, "Points");
+    int code = put_samples(stage, part, "point3f[] points", put_points);
     if (code == EXIT_GOOD) code = put_samples(stage, part, "vector3f[] velocities", put_velocities);
     fprintf(stage->file,
             "        float[] widths = [%.7g] (\n            interpolation = \"constant\"\n        "
@@ -164,9 +161,9 @@ static int put_particles(struct stage *stage, const struct part *part) {
 static int put_mesh(struct stage *stage, const struct part *part, const struct part *surface) {
     int (*put)(struct stage *, const struct part *, const char *, put_fn *) =
         surface == part ? put_constant : put_samples;
-    int code = begin_prim(stage, part, "Mesh");
+    begin_prim(stage, part, "Mesh");
     fputs("        uniform token subdivisionScheme = \"none\"\n", stage->file);
-    if (code == EXIT_GOOD) code = put(stage, surface, "int[] faceVertexCounts", put_counts);
+    int code = put(stage, surface, "int[] faceVertexCounts", put_counts);
     if (code == EXIT_GOOD) code = put(stage, surface, "int[] faceVertexIndices", put_corners);
     if (code == EXIT_GOOD) code = put_samples(stage, surface, "point3f[] points", put_points);
     if (code == EXIT_GOOD && part->kind == BODY)
@@ -267,7 +264,8 @@ static void put_materials(struct stage *stage) {
 static int put_stage(struct stage *stage) {
     const struct run *run = stage->run;
     const struct part *first = &run->part[0];
-    int last = run->frames - 1, code = EXIT_GOOD;
+    int last = run->frames - 1, code = usd_find_looks(run, stage->look);
+    if (code != EXIT_GOOD) return code;
     strcpy(stage->looks, "Looks");
     while (is_name_of_part(run, stage->looks)) strcat(stage->looks, "_");
     stage->start = part_time(first, 0);

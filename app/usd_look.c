@@ -33,11 +33,42 @@ static void set_color(struct usd_look *look, const char *color) {
     }
 }
 
-static enum kind kind_of_body(const struct run *run, const struct part *part) {
-    if (part->fluid) return LIQUID;
-    bool closed = part->shape || part->radius > 0.0 || run_has_constraint(run, part->name, "tet") ||
-                  run_has_constraint(run, part->name, "gas");
-    return closed ? VOLUME : SHEET;
+static int compare_edges(const void *a, const void *b) {
+    const int *p = a, *q = b;
+    return p[0] != q[0] ? (p[0] > q[0]) - (p[0] < q[0]) : (p[1] > q[1]) - (p[1] < q[1]);
+}
+
+/* Whether every edge of a mesh has two triangles, as isClosed in replay/page/meshes.js. */
+static int is_closed(const struct vtk_frame *frame, bool *out) {
+    int count = 3 * frame->triangles, (*edge)[2] = malloc(sizeof *edge * (size_t)(count + 1));
+    if (!edge) return report_no_memory();
+    for (int k = 0; k < count; k++) {
+        int a = frame->triangle[k], b = frame->triangle[k % 3 == 2 ? k - 2 : k + 1];
+        edge[k][0] = a < b ? a : b, edge[k][1] = a < b ? b : a;
+    }
+    qsort(edge, (size_t)count, sizeof *edge, compare_edges);
+    *out = true;
+    for (int k = 0, next; k < count && *out; k = next) {
+        for (next = k + 1; next < count && !compare_edges(edge[k], edge[next]);) next++;
+        *out = next == k + 2;
+    }
+    free(edge);
+    return EXIT_GOOD;
+}
+
+static int find_kind_of_body(const struct run *run, const struct part *part, enum kind *out) {
+    char path[RUN_PATH];
+    struct vtk_frame frame;
+    bool closed = true;
+    if (!part->fluid && !part->shape && part->radius == 0.0) {
+        int code = part_read_frame(run, part, 0, path, &frame);
+        if (code != EXIT_GOOD) return code;
+        code = is_closed(&frame, &closed);
+        vtk_frame_free(&frame);
+        if (code != EXIT_GOOD) return code;
+    }
+    *out = part->fluid ? LIQUID : closed ? VOLUME : SHEET;
+    return EXIT_GOOD;
 }
 
 /* Whether the middle of a body at the start is in the box. */
@@ -73,18 +104,24 @@ static int is_tank(const struct run *run, const struct part *part, bool *out) {
 
 static int find_kind(const struct run *run, const struct part *part, enum kind *out) {
     bool tank = false;
+    if (part->kind == BODY) return find_kind_of_body(run, part, out);
     int code = part->kind == SOLID ? is_tank(run, part, &tank) : EXIT_GOOD;
-    *out = part->kind == BODY ? kind_of_body(run, part) : tank ? TANK : OBSTACLE;
+    *out = tank ? TANK : OBSTACLE;
     return code;
 }
 
-int usd_find_look(const struct run *run, const struct part *part, struct usd_look *out) {
-    enum kind kind;
-    int number = 0, code = find_kind(run, part, &kind);
-    if (code != EXIT_GOOD) return code;
-    for (const struct part *before = run->part; before < part && part->kind == BODY; before++)
-        number += kind_of_body(run, before) == kind;
-    *out = looks[kind];
-    set_color(out, part->color ? part->color : palette[kind][number % (kind == LIQUID ? 3 : 4)]);
+int usd_find_looks(const struct run *run, struct usd_look *out) {
+    int bodies[] = {[LIQUID] = 0, [SHEET] = 0, [VOLUME] = 0}; /* so far, of each kind */
+    for (int p = 0; p < run->parts; p++) {
+        const struct part *part = &run->part[p];
+        enum kind kind;
+        if (part->kind == BOUNDARY) continue;
+        int code = find_kind(run, part, &kind);
+        if (code != EXIT_GOOD) return code;
+        int number = part->kind == BODY ? bodies[kind]++ : 0;
+        out[p] = looks[kind];
+        set_color(&out[p],
+                  part->color ? part->color : palette[kind][number % (kind == LIQUID ? 3 : 4)]);
+    }
     return EXIT_GOOD;
 }

@@ -11,8 +11,8 @@ struct usd_look {
     bool two_sided; /* an open surface, whose back is seen */
 };
 
-/* The look of a part: its colour, or the one that pictures give to it. Reads first frames. Returns
- * an exit code. */
-int usd_find_look(const struct run *run, const struct part *part, struct usd_look *out);
+/* The looks of all parts but boundary points, out[run->parts]: their colours, or those that
+ * pictures give to them. Reads first frames. Returns an exit code. */
+int usd_find_looks(const struct run *run, struct usd_look *out);
 
 #endif

@@ -18,6 +18,8 @@ except ImportError as missing:
     print(f"skipped: {missing}")
     sys.exit(77)
 
+import devtools
+
 PROJDYN = os.path.abspath(sys.argv[1])
 SCENE = {
     "duration": 0.1, "frame_interval": 0.04, "time_step": {"maximum": 0.01},
@@ -140,6 +142,45 @@ class Usd(unittest.TestCase):
         self.assertGreater(colour["sheet"][0][0], colour["sheet"][0][2] + 0.2)  # the sand of pictures
         self.assertEqual([name for name in prims if prims[name]["twoSided"]], ["sheet", "tank"])
         self.assertEqual(materials[prims["_2_water_0"]["material"]]["ior"], 1.333)
+
+    @unittest.skipUnless(devtools.find(), "no chromium")
+    def test_looks_are_those_of_pictures(self):
+        """Colours of parts without one, and which boxes are tanks: usd_look.c against the page of a replay."""
+        def box(x, y, size, **more):
+            return {"box": {"minimum": [x, y, -size / 2], "maximum": [x + size, y + size, size / 2]}, **more}
+
+        def water(x, *constraints):
+            return {"particles": {"radius": 0.02, "fill": [box(x, 0, 0.08)]}, "constraints": list(constraints)}
+
+        def sheet(x, **surface):
+            return {"surface": {"translate": [x, 0.5, 0], "area_density": 0.1, **surface},
+                    "constraints": [{"type": "spring", "stretching_stiffness": 100}]}
+
+        (self.directory / "bag.obj").write_text("v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\n"
+                                                "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
+        bodies = [water(0.3 * k, {"type": "fluid"}) for k in range(3)] + [water(0.9), sheet(1.5, mesh="bag.obj")]
+        for k in range(5):
+            bodies += [sheet(0.3 * k, grid={"size": [0.2, 0.2], "vertices": [3, 3]}), {"rigid": box(0.3 * k, 1, 0.1, density=500)}]
+        solids = [box(-1, -1, 4, name="room"), box(-0.5, 0, 0.1, name="cup", open=["+y"]), box(-0.8, 0, 0.1, name="stone")]
+        (self.directory / "looks.json").write_text(json.dumps({"duration": 0.01, "bodies": bodies, "solids": solids}))
+        self.program("run", "looks.json", "-o", "looks", "--threads", "1", "--quiet")
+        self.program("usd", "looks")
+        self.program("replay", "looks")
+        _, prims, materials = self.stage("looks/run.usda")
+        browser = devtools.Browser((self.directory / "looks/replay.html").as_uri(), self.directory, (480, 300))
+        try:
+            browser.wait("document.body?.classList.contains('ready')")
+            drawn = browser.evaluate("renderer.parts.filter((s) => s.part.triangles || !s.solid).map((s) => [s.part.name, s instanceof Glass, s.tint])")
+        finally:
+            browser.close()
+        self.assertEqual(set(prims), {name for name, _, _ in drawn})
+        self.assertEqual({name for name, glass, _ in drawn if glass}, {"room", "cup"})
+        self.assertEqual({name for name in prims if materials[prims[name]["material"]]["opacity"] == 0.1}, {"room", "cup"})
+        for name, glass, tint in drawn:
+            value = np.sqrt(tint)  # the gamma of the page is 2
+            linear = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+            if not glass:
+                np.testing.assert_allclose(prims[name]["primvars:displayColor"], [linear], atol=1e-3, err_msg=name)
 
     def test_particles_are_opaque(self):
         _, prims, materials = self.stage("particles.usda")
