@@ -1,6 +1,7 @@
 /* Moving solids: positions and speeds of their points, and their effect on water. */
 #include "support.h"
 
+#include "projdyn/scene.h"
 #include "projdyn/vec3.h"
 
 #include <stdlib.h>
@@ -45,6 +46,30 @@ static void test_carry(void **state) {
     assert_carried(sim, 3.0, (double[]){x, y, z}, (double[]){2, 0, 0});
     assert_carried(sim, 9.0, (double[]){y, -z, -x}, (double[]){2, 0, 1});
     pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* Places of the first layer are kept in a scene with a constraint that reads them, for all moving
+ * points. */
+static void test_layer(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    for (int with = 0; with < 2; with++) {
+        pdyn_scene *scene = NULL;
+        pdyn_sim *sim = NULL;
+        assert_int_equal(pdyn_scene_parse(context, quoted(turning), "turning", &scene), PDYN_OK);
+        if (with)
+            assert_int_equal(pdyn_scene_set(scene, "bodies.1.constraints.no_slip.viscosity", "1"),
+                             PDYN_OK);
+        assert_int_equal(pdyn_scene_load(scene, &sim), PDYN_OK);
+        const struct kinematic_solids *moving = &sim->kinematic;
+        assert_true(moving->points > 0);
+        assert_int_equal(moving->layer.count, with ? moving->points : 0);
+        assert_int_equal(moving->placed_layer.count, moving->layer.count);
+        assert_true(!neighbours_view(sim->objective.neighbours)->layer_x == !with);
+        pdyn_free(sim);
+        pdyn_scene_free(scene);
+    }
     pdyn_destroy(context);
 }
 
@@ -313,15 +338,11 @@ static void test_divergence(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_carry),
-        cmocka_unit_test(test_vertices),
-        cmocka_unit_test(test_speed),
-        cmocka_unit_test(test_carried_tank),
-        cmocka_unit_test(test_paddle_long),
-        cmocka_unit_test(test_piston),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_no_allocation),
-        cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_carry),         cmocka_unit_test(test_layer),
+        cmocka_unit_test(test_vertices),      cmocka_unit_test(test_speed),
+        cmocka_unit_test(test_carried_tank),  cmocka_unit_test(test_paddle_long),
+        cmocka_unit_test(test_piston),        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_no_allocation), cmocka_unit_test(test_failing_allocator),
         cmocka_unit_test(test_divergence),
     };
     return cmocka_run_group_tests_name("motion", tests, test_enter_directory, test_leave_directory);

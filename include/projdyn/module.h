@@ -299,7 +299,8 @@ typedef struct pdyn_neighbours {
                                           `volume` has the product at the beginning of a step */
     int moving;            /* the last ones of the boundary points: those of moving solids */
     const double *layer_x; /* moving x 3, m: where the first layer of fluid rests in front of a
-                              point of a box, moved with the solid; else the point */
+                              point of a box, moved with the solid; else the point. NULL if no
+                              type in the scene has PDYN_FIRST_LAYER */
 } pdyn_neighbours;
 
 /* One-sided scalar constraints C_i <= 0 at the last local step. The energy of constraint i, J, is
@@ -392,6 +393,7 @@ enum {                              /* pdyn_constraint_type.flags */
        PDYN_FLUID = 8192,           /* its forces are loads by fluids (PDYN_LOAD_FLUID, probe.h) and
                                        not by contact; so are those of every type that works on
                                        neighbour lists */
+       PDYN_FIRST_LAYER = 16384,    /* reads `layer_x` of the neighbour lists */
 };
 
 typedef struct pdyn_constraint_type {

@@ -133,7 +133,7 @@ static void boundary_force(const void *par, const pdyn_batch *b, double *force) 
 const pdyn_constraint_type pdyn_constraint_no_slip = {
     .name = "no_slip",
     .summary = "viscous friction of a fluid on walls, solids and sheets",
-    .flags = PDYN_ON_PARTICLES | PDYN_NEIGHBOURS | PDYN_LOSSY,
+    .flags = PDYN_ON_PARTICLES | PDYN_NEIGHBOURS | PDYN_FIRST_LAYER | PDYN_LOSSY,
     .params_size = sizeof(struct params),
     .params = params,
     .data_size = sizeof(struct dashpot),

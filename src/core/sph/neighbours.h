@@ -25,7 +25,7 @@ struct neighbours_points { /* input of neighbours_create; all arrays but layer_x
     int boundary;
     const double *boundary_x; /* boundary x 3, m */
     int moving;               /* number of boundary points that may move: the last ones */
-    const double *layer_x;    /* see pdyn_neighbours; not copied, must stay valid */
+    const double *layer_x;    /* see pdyn_neighbours; NULL, or not copied and must stay valid */
     const double *volume; /* m^3, particles, then boundary points; 0: the particle is not active */
     const bool *is_wall;  /* boundary: the point has a volume and the support of centres */
     double support, surface_support; /* m, see pdyn_neighbours */

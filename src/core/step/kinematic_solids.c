@@ -23,15 +23,24 @@ static pdyn_status allocate_solids(struct pdyn_sim *sim) {
     return PDYN_OK;
 }
 
-/* Adds the point i of a solid, and its place in the first layer: a point of a box lies behind the
- * face, and fluid rests half a spacing before it. */
-static pdyn_status add_point(struct pdyn_sim *sim, const struct scene_solid *solid, int i) {
+static bool needs_layer(const struct scene *scene) {
+    for (int b = 0; b < scene->bodies; b++)
+        for (int k = 0; k < scene->body[b].constraints; k++)
+            if (scene->body[b].constraint[k].type->flags & PDYN_FIRST_LAYER) return true;
+    return false;
+}
+
+/* Adds the point i of a solid, and, with `layer`, its place in the first layer: a point of a box
+ * lies behind the face, and fluid rests half a spacing before it. */
+static pdyn_status add_point(struct pdyn_sim *sim, const struct scene_solid *solid, int i,
+                             bool layer) {
     struct kinematic_solids *moving = &sim->kinematic;
     const struct boundary_point *point = &sim->boundary.point[i];
     double outside = boundary_outside(sim->scene.settings.boundary, sim->scene.settings.kernel);
     double at[3];
     vec3_subtract(at, sim->boundary.at.x + 3 * (size_t)i, solid->motion.pivot);
     pdyn_status status = point_list_add(sim->context, &moving->placed, at);
+    if (!layer) return status;
     if (point->of_box) vec3_add(at, (outside + 0.5) * sim_spacing(sim), point->normal);
     if (status == PDYN_OK) status = point_list_add(sim->context, &moving->placed_layer, at);
     return status == PDYN_OK ? point_list_add(sim->context, &moving->layer, at) : status;
@@ -41,8 +50,9 @@ pdyn_status kinematic_add(struct pdyn_sim *sim, const struct scene_solid *solid,
     struct kinematic_solids *moving = &sim->kinematic;
     struct moving_solid m = {solid, first, sim->boundary.at.count - first, {{0}, {0}}};
     pdyn_status status = allocate_solids(sim);
+    bool layer = needs_layer(&sim->scene);
     for (int i = first; i < sim->boundary.at.count && status == PDYN_OK; i++)
-        status = add_point(sim, solid, i);
+        status = add_point(sim, solid, i, layer);
     if (status != PDYN_OK) return status;
     if (m.count) m.box = box_around(moving->placed.x + 3 * (size_t)moving->points, m.count);
     moving->solid[moving->solids++] = m;
@@ -72,6 +82,7 @@ void kinematic_move(struct pdyn_sim *sim, double time) {
         size_t at = 3 * (size_t)(m->first - resting);
         pose_place(&m->solid->motion, moving->placed.x + at, m->count, time,
                    sim->boundary.at.x + 3 * (size_t)m->first);
+        if (!moving->layer.count) continue;
         pose_place(&m->solid->motion, moving->placed_layer.x + at, m->count, time,
                    moving->layer.x + at);
     }

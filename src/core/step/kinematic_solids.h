@@ -20,8 +20,8 @@ struct kinematic_solids { /* empty if no solid moves */
     struct moving_solid *solid; /* capacity */
     int points;               /* number of points of all moving solids: the last boundary points */
     struct point_list placed; /* positions relative to the pivots in the initial placement, m */
-    struct point_list placed_layer; /* m: the same of layer_x (pdyn_neighbours) */
-    struct point_list layer;        /* m: layer_x */
+    struct point_list placed_layer; /* m: the same of layer_x (pdyn_neighbours); empty if unused */
+    struct point_list layer;        /* m: layer_x, or empty */
 };
 
 /* Registers the boundary points from index `first` on as those of a moving solid. */
