@@ -302,6 +302,37 @@ static void test_gain_after_release(void **state) {
     }
 }
 
+/* A pin that moves and then lets a sheet go gives energy until then; a gain after that is warned
+ * about, after a return to a state before it, too. */
+static void test_gain_after_path(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, SCENE(STEPS,
+                       GRID_SHEET("'name': 'sheet', ", "0.2, 0.2", "9, 9", "'area_density': 0.2",
+                                  SPRINGS("1e3") ", {'type': 'pin', 'until': 0.02, 'vertices': "
+                                                 "{'border': true}, 'path': [[0, 0, 0, 0], "
+                                                 "[0.02, 0, 0.1, 0]]}"),
+                       ""));
+    static char state_memory[1 << 20];
+    size_t size;
+    for (int round = 0; round < 2; round++) {
+        test_step(context, sim);
+        if (!round)
+            assert_int_equal(pdyn_save_memory(sim, state_memory, sizeof state_memory, &size),
+                             PDYN_OK);
+        give_energy(sim, 1, 1e3);
+        for (int n = 0; n < 30; n++) test_step(context, sim);
+        assert_false(pdyn_is_enabled(sim, 1));
+        assert_null(find_warning(sim, "energy", "").code);
+        if (!round) assert_int_equal(pdyn_restore_memory(sim, state_memory, size), PDYN_OK);
+    }
+    give_energy(sim, 1, 1e3);
+    assert_int_equal(find_warning(sim, "energy", "").count, 1);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* ---- the list -------------------------------------------------------------------------------- */
 
 /* A restored simulation goes on counting; every step of this scene is unsolved. */
@@ -697,6 +728,7 @@ int main(void) {
         cmocka_unit_test(test_rounding),
         cmocka_unit_test(test_gain_after_loss),
         cmocka_unit_test(test_gain_after_release),
+        cmocka_unit_test(test_gain_after_path),
         cmocka_unit_test(test_saved),
         cmocka_unit_test(test_fallen),
         cmocka_unit_test(test_ball),

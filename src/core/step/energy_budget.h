@@ -6,8 +6,8 @@
  * stored: the largest energy of the linear constraints and of contact so far, and that of the fluid
  * at the start, as far as it belongs to a density error of 2 %. drive: what inlets and moving
  * solids can give. The factor 2 covers that velocities are measured from displacements. A scene
- * with another source of energy (wind, moving pins, elements that come and go) has no such bound.
- */
+ * with another source of energy (wind, moving pins, elements that come and go) has no such bound
+ * before the last of them has ended ("until"); "start" is then that time. */
 #ifndef PDYN_ENERGY_BUDGET_H
 #define PDYN_ENERGY_BUDGET_H
 
@@ -18,18 +18,20 @@
 struct pdyn_sim;
 
 struct energy_budget {
-    bool bounded;         /* the sources of energy are known */
-    bool closed;          /* there is no source: the total energy can only fall */
-    bool opened;          /* the first step has begun: the numbers below are known */
+    bool bounded;         /* the sources of energy are known in this step */
+    bool closed;          /* no inlet and no moving solid: if bounded, the total energy can only
+                             fall */
+    bool opened;          /* the first bounded step has begun: the numbers below are known */
     double mass;          /* kg, of everything */
     double start;         /* J: kinetic energy and energy of the fluid at the start, and drive */
     double stored;        /* J: energy of linear constraints and contact, largest so far */
     double potential;     /* J, at the start */
-    double constraints;   /* J: energy of all constraints at the start */
+    double constraints;   /* J: energy of all constraints at the start of the run; 0: not bounded */
     double density_error; /* mean, at the start */
     double highest;       /* m, largest height so far, against gravity */
-    double total;         /* J: what the total energy is compared with: that of the first step, or
-                             the smallest maximum of a window of steps so far, if that is less */
+    double total;         /* J: what the total energy is compared with: that of the first step of
+                             the run, or the smallest maximum of a window of steps so far, if that
+                             is less */
     double window;        /* J: largest total energy of the present window */
     double window_steps;  /* of the present window so far */
     double scale;         /* J: largest kinetic or stored energy, or change of potential energy */
@@ -42,7 +44,7 @@ struct energy_budget {
 pdyn_status energy_budget_create(struct pdyn_sim *sim);
 void energy_budget_free(struct pdyn_sim *sim);
 
-/* Measures the energy stored at the start of the first step, before it is minimised. */
+/* Measures the energy stored at the start of the first bounded step, before it is minimised. */
 pdyn_status energy_budget_open(struct pdyn_sim *sim);
 
 /* Checks the displacement of a step of length h, s, before it is accepted. PDYN_DIVERGED: the

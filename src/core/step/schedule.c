@@ -97,6 +97,10 @@ pdyn_status schedule_switch(struct pdyn_sim *sim) {
     return for_all(sim, switch_one);
 }
 
+bool schedule_has_ended(const struct pdyn_sim *sim, const struct scene_constraint *constraint) {
+    return is_over(constraint->until, sim->time);
+}
+
 void schedule_replace(struct pdyn_sim *sim, int constraint, const pdyn_param *param) {
     const struct scene_constraint *c = sim->constraint[constraint];
     for (int m = 0; m < c->keyed_params; m++) c->keyed[m].replaced |= c->keyed[m].param == param;

@@ -7,6 +7,7 @@
 #include "projdyn/module.h"
 
 struct pdyn_sim;
+struct scene_constraint;
 
 /* When a simulation has been built: switches the constraints off that begin later, and sets what
  * has keys. */
@@ -17,6 +18,9 @@ pdyn_status schedule_start(struct pdyn_sim *sim);
  * stays so, and a value that it has set (pdyn_set_parameter, pdyn_set_gravity) no longer follows
  * its keys. */
 pdyn_status schedule_switch(struct pdyn_sim *sim);
+
+/* Whether the "until" of a constraint has come when the next step begins. */
+bool schedule_has_ended(const struct pdyn_sim *sim, const struct scene_constraint *constraint);
 
 /* Notes that a program has set a parameter: its keys do not count any more. */
 void schedule_replace(struct pdyn_sim *sim, int constraint, const pdyn_param *param);
