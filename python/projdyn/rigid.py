@@ -59,7 +59,7 @@ class Rigid(Body):
     def set_wrench(self, force: Any = (0, 0, 0), moment: Any = (0, 0, 0)) -> None:
         """Sets a force through the centre of mass, N, and a moment about it, N m, which act until
         they are set again, beside the forces on the vertices. Both keep their direction in the
-        world. A saved state has the forces of the last step, not the wrench."""
+        world. A saved state has the force, but not the moment: set it again after restore."""
         push, turn = doubles(force, (3,), "force"), doubles(moment, (3,), "moment")
         self._wrench[:] = [(push.copy(), turn.copy())] if turn.any() else []
         self._apply(push, turn)

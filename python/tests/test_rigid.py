@@ -66,6 +66,22 @@ class Rigid(unittest.TestCase):
             sim.step()
         np.testing.assert_allclose(box.velocity, [0, 0.41, 0], atol=1e-9)  # bdf2 looks two steps back
 
+    def test_wrench_and_saved_states(self):
+        """A state has the force of a wrench. A moment must be set again, and is then the same."""
+        for moment, again, same in (([0, 0, 0], False, True), ([0, 0.5, 0], False, False),
+                                    ([0, 0.5, 0], True, True)):
+            first, second = load(), load()
+            first.bodies["box"].set_wrench([0, 16, 0], moment)
+            for _ in range(50):
+                first.step()
+            second.restore(first.state())
+            if again:
+                second.bodies["box"].set_wrench([0, 16, 0], moment)
+            for sim in (first, second):
+                for _ in range(50):
+                    sim.step()
+            self.assertEqual(first.hash == second.hash, same, (moment, again))
+
     def test_placed(self):
         sim = load()
         box = sim.bodies["box"]
