@@ -133,7 +133,7 @@ static void test_rotation(void **state) {
 }
 
 /* Plane Couette flow between a wall at rest and one that moves: a linear profile, and the load
- * mu v / H per area on both walls. */
+ * mu v / H per area on both walls, which acts on their faces. */
 static void test_couette(void **state) {
     (void)state;
     enum { LAYERS = 6 };
@@ -159,9 +159,13 @@ static void test_couette(void **state) {
         double exact = speed * (b.x[i][1] / height + 0.5);
         if (fabs(b.x[i][0]) < 0.5 * height) assert_true(fabs(sim->v[3 * i] - exact) < 0.02 * speed);
     }
-    double low[3], top[3], moment[3], exact = 10.0 * speed / height * 36 * 6 * spacing * spacing;
-    assert_int_equal(pdyn_solid_load(sim, 0, low, moment), PDYN_OK);
-    assert_int_equal(pdyn_solid_load(sim, 1, top, moment), PDYN_OK);
+    double low[3], top[3], low_moment[3], top_moment[3],
+        exact = 10.0 * speed / height * 36 * 6 * spacing * spacing;
+    assert_int_equal(pdyn_solid_load(sim, 0, low, low_moment), PDYN_OK);
+    assert_int_equal(pdyn_solid_load(sim, 1, top, top_moment), PDYN_OK);
+    /* on the faces, the forces on the layers at half a spacing have twice this arm in excess */
+    double arm = (low_moment[2] + top_moment[2]) / low[0];
+    if (fabs(arm / spacing - 1.0) > 0.02) fail_msg("arm of %g m, spacing %g m", arm, spacing);
     assert_true(fabs(low[0] / -top[0] - 1.0) < 0.01);
     assert_true(fabs(low[0] / exact - 1.0) < 0.15); /* free sides: the outer layers pull less */
     pdyn_free(sim);

@@ -482,7 +482,9 @@ typedef struct pdyn_constraint_type {
     void (*damping_rest)(const void *params, const pdyn_batch *batch, int first, int last);
     /* NULL: core derives everything from the rows above. */
     const pdyn_operator *matrix_free;
-    /* As pdyn_operator.boundary_force, of rows whose p follows points of solids. */
+    /* As pdyn_operator.boundary_force, of rows whose p follows points of solids: a force of shear,
+     * whose moment is that on the face of a box, before its point; of a moving box with
+     * PDYN_FIRST_LAYER. */
     void (*boundary_force)(const void *params, const pdyn_batch *batch, double *force);
 } pdyn_constraint_type;
 

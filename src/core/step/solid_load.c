@@ -4,6 +4,7 @@
 #include "contact/bearings.h"
 #include "forces.h"
 #include "sim.h"
+#include "sph/boundary.h"
 
 #include "projdyn/vec3.h"
 
@@ -36,15 +37,45 @@ static void add_operator(const struct pdyn_sim *sim, const struct batch *b) {
     b->type->matrix_free->boundary_force(b->op, sim->loads->force);
 }
 
+/* The vector from boundary point k of a box to the face before it, m. A moving point has its place
+ * in the first layer, half a spacing before the face. */
+static void find_face(const struct pdyn_sim *sim, int k, double offset[3]) {
+    const struct kinematic_solids *moving = &sim->kinematic;
+    double outside = boundary_outside(sim->scene.settings.boundary, sim->scene.settings.kernel);
+    int m = k - kinematic_first_point(sim);
+    memset(offset, 0, 3 * sizeof *offset);
+    if (m < 0) vec3_add(offset, outside * sim_spacing(sim), sim->boundary.point[k].normal);
+    if (m < 0 || m >= moving->layer.count) return;
+    vec3_subtract(offset, moving->layer.x + 3 * (size_t)m, sim->boundary.at.x + 3 * (size_t)k);
+    for (int a = 0; a < 3; a++) offset[a] *= outside / (outside + 0.5);
+}
+
+/* The forces of rows are those of shear and act on the faces of a box: adds the moments that forces
+ * at its points lack. */
+static void add_moments_of_faces(const struct pdyn_sim *sim) {
+    const struct boundary_point *point = sim->boundary.point;
+    for (int k = 0; k < sim->boundary.at.count; k++) {
+        double offset[3], moment[3];
+        if (!point[k].of_box) continue;
+        find_face(sim, k, offset);
+        vec3_cross(moment, offset, sim->loads->force + 3 * (size_t)k);
+        vec3_add(sim->loads->solid[PDYN_LOAD_ALL][point[k].solid].moment, 1.0, moment);
+    }
+}
+
 static void add_fluid(const struct pdyn_sim *sim) {
     size_t count = 3 * (size_t)sim->boundary.at.count;
     if (!count) return;
     memset(sim->loads->force, 0, count * sizeof *sim->loads->force);
     for (int b = 0; b < sim->objective.batches; b++) {
         const struct batch *batch = sim->objective.batch[b];
-        if (batch->op && batch->type->matrix_free->boundary_force) add_operator(sim, batch);
         if (!batch->op && batch->type->boundary_force)
             batch->type->boundary_force(batch->params, &batch->view, sim->loads->force);
+    }
+    add_moments_of_faces(sim);
+    for (int b = 0; b < sim->objective.batches; b++) {
+        const struct batch *batch = sim->objective.batch[b];
+        if (batch->op && batch->type->matrix_free->boundary_force) add_operator(sim, batch);
     }
     add_point_forces(sim, sim->loads->force);
     memcpy(sim->loads->solid[PDYN_LOAD_FLUID], sim->loads->solid[PDYN_LOAD_ALL],
