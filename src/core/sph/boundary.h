@@ -3,6 +3,7 @@
 #define PDYN_BOUNDARY_H
 
 #include "base/context.h"
+#include "border.h"
 
 struct boundary_model {
     const char *name, *summary;
@@ -18,8 +19,9 @@ struct boundary_model {
 struct sampling { /* of a surface */
     const struct boundary_model *model;
     const struct kernel_model *kernel;
-    double spacing;   /* m, of the fluid's particles */
-    double thickness; /* m, of a sheet; 0 for the surface of a volume */
+    double spacing;              /* m, of the fluid's particles */
+    double thickness;            /* m, of a sheet; 0 for the surface of a volume */
+    const struct border *border; /* of the surfaces */
 };
 
 /* Support of the kernel of points on meshes, in particle spacings. */

@@ -19,28 +19,27 @@ static bool resize_arrays(struct occlusion *s, enum array_action action) {
     return context_arrays(s->context, table, ARRAY_ROWS(table), action);
 }
 
-/* The number of triangles of a body that hide particles on one side from those on the other. */
-static int hiding(const pdyn_body *body) { return body->permeability > 0.0 ? 0 : body->triangles; }
-
 static pdyn_status fill(struct occlusion *s, int bodies, const pdyn_body *body) {
     if (!resize_arrays(s, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     int *corner = s->corner;
     for (int b = 0; b < bodies; b++)
-        for (int k = 0; k < 3 * hiding(&body[b]); k++)
+        for (int k = 0; k < 3 * hiding_triangles(&body[b]); k++)
             *corner++ = body[b].first + body[b].triangle[k];
     return bvh_create(s->context, s->triangles, &s->tree);
 }
 
-pdyn_status occlusion_create(pdyn_context *context, int bodies, const pdyn_body *body, int points,
-                             double reach, struct occlusion **out) {
-    int triangles = 0;
+pdyn_status occlusion_create(pdyn_context *context, int bodies, const pdyn_body *body,
+                             const struct border *border, int points, double reach,
+                             struct occlusion **out) {
     *out = NULL;
-    for (int b = 0; b < bodies; b++) triangles += hiding(&body[b]);
-    if (!triangles) return PDYN_OK;
+    if (!border->triangles) return PDYN_OK;
     struct occlusion *s = NEW_ARRAY(context, 1, struct occlusion);
     if (!s) return PDYN_NO_MEMORY;
-    *s = (struct occlusion){
-        .context = context, .points = points, .triangles = triangles, .reach = reach};
+    *s = (struct occlusion){.context = context,
+                            .points = points,
+                            .triangles = border->triangles,
+                            .border = border,
+                            .reach = reach};
     pdyn_status status = fill(s, bodies, body);
     if (status == PDYN_OK) *out = s;
     else occlusion_free(s);
@@ -131,6 +130,17 @@ static bool segment_meets_triangle(const double d[3], double c[3][3]) {
            (s[0] <= 0.0 && s[1] <= 0.0 && s[2] <= 0.0);
 }
 
+/* Whether the segment from 0 to d, which meets triangle `id`, c, does so beside a border. */
+static bool goes_around(const struct query *q, int id, const double d[3], double c[3][3]) {
+    const struct border *border = q->occlusion->border;
+    double n[3], at[3];
+    vec3_normal(n, c[0], c[1], c[2]);
+    double part = vec3_dot(n, c[0]) / vec3_dot(n, d);
+    for (int a = 0; a < 3; a++) at[a] = q->from[a] + part * d[a];
+    return border_distance(border, q->occlusion->near_triangle[id], q->occlusion->x, at) <
+           border->width;
+}
+
 static void test_blocking(void *user, int id) {
     struct query *q = user;
     const int *corner = corners(q, id);
@@ -140,7 +150,7 @@ static void test_blocking(void *user, int id) {
         for (int k = 0; k < 3; k++)
             c[k][a] = q->occlusion->x[3 * (size_t)corner[k] + (size_t)a] - q->from[a];
     }
-    q->blocked |= segment_meets_triangle(d, c);
+    if (segment_meets_triangle(d, c) && !goes_around(q, id, d, c)) q->blocked = true;
 }
 
 bool occlusion_is_clear(const struct occlusion *s, int i, double distance) {

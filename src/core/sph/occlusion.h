@@ -1,29 +1,34 @@
 /* Occlusion: does a surface lie between two points? Fluid on one side of a sheet must not interact
  * with fluid or walls on the other side. Two points see each other if the segment between them
- * meets no triangle (visibility criterion of meshless methods; Belytschko, Lu, Gu 1994). */
+ * meets no triangle (visibility criterion of meshless methods; Belytschko, Lu, Gu 1994), or meets
+ * it in the strip beside a border: then it goes around the border. */
 #ifndef PDYN_OCCLUSION_H
 #define PDYN_OCCLUSION_H
 
+#include "border.h"
 #include "geometry/bvh.h"
 #include "projdyn/module.h"
 
 struct occlusion {
     pdyn_context *context;
-    int points;         /* particles of the system, samples, boundary points */
-    int triangles;      /* of all surfaces */
-    int *corner;        /* triangles x 3: particles of the system */
-    int near_count;     /* number of triangles near the query points */
-    int *near_triangle; /* triangles, near_count in use: these triangles */
-    struct box *box;    /* triangles, near_count in use: their bounding boxes, m */
-    struct bvh tree;    /* hierarchy of these boxes */
-    const double *x;    /* positions of the particles of the system, m; not copied */
-    double reach;       /* m, largest distance of a pair */
-    double *clearance;  /* points, m: distance to the nearest triangle, at most reach */
+    int points;                  /* particles of the system, samples, boundary points */
+    int triangles;               /* of all surfaces */
+    int *corner;                 /* triangles x 3: particles of the system */
+    int near_count;              /* number of triangles near the query points */
+    int *near_triangle;          /* triangles, near_count in use: these triangles */
+    struct box *box;             /* triangles, near_count in use: their bounding boxes, m */
+    struct bvh tree;             /* hierarchy of these boxes */
+    const double *x;             /* positions of the particles of the system, m; not copied */
+    const struct border *border; /* of the surfaces */
+    double reach;                /* m, largest distance of a pair */
+    double *clearance;           /* points, m: distance to the nearest triangle, at most reach */
 };
 
-/* Creates the state for pairs up to `reach`, m, apart. *out is NULL if no body has a surface. */
-pdyn_status occlusion_create(pdyn_context *context, int bodies, const pdyn_body *body, int points,
-                             double reach, struct occlusion **out);
+/* Creates the state for pairs up to `reach`, m, apart. border: of the bodies, must stay valid. *out
+ * is NULL if no body has a surface that hides. */
+pdyn_status occlusion_create(pdyn_context *context, int bodies, const pdyn_body *body,
+                             const struct border *border, int points, double reach,
+                             struct occlusion **out);
 void occlusion_free(struct occlusion *occlusion);
 
 /* Sets the positions of the surfaces: x, of the system, must stay valid. around: a box, m, that

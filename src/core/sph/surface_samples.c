@@ -226,15 +226,28 @@ static void place(struct surface_samples *s, const pdyn_body *body,
     }
 }
 
-/* A surface that a fluid passes adds nothing to its density: so small a volume is listed as a
- * neighbour and pushes nothing. */
+/* Surfaces that a fluid passes, and points on a border, add nothing to the density: so small a
+ * share of their volume is listed as a neighbour and pushes nothing. */
 static const double open_share = 1e-9;
+
+/* Beside a border, particles of the other side are neighbours: the nearer the border, the more of
+ * them take the place of samples. triangle: the first one of the surface. */
+static void reduce_beside_border(struct surface_samples *s, const struct border *border,
+                                 int triangle, const double *rest,
+                                 const struct surface_points *points, int first) {
+    for (int k = 0; k < points->count; k++) {
+        const double *at = s->x + 3 * (size_t)(first + k);
+        double distance = border_distance(border, triangle + points->point[k].triangle, rest, at);
+        s->rest_volume[first + k] *= fmax(open_share, distance / border->width);
+    }
+}
 
 static pdyn_status fill(struct surface_samples *s, int bodies, const pdyn_body *body,
                         const struct surface_points *points, const struct sampling *sampling,
                         const double *rest) {
     pdyn_status status = resize_arrays(s, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
-    for (int b = 0, first = 0; b < bodies && status == PDYN_OK; first += points[b++].count) {
+    for (int b = 0, first = 0, triangle = 0; b < bodies && status == PDYN_OK;
+         triangle += hiding_triangles(&body[b]), first += points[b++].count) {
         struct sampling of_body = *sampling;
         if (body[b].tets) of_body.thickness = 0.0;
         place(s, &body[b], &points[b], first);
@@ -242,6 +255,8 @@ static pdyn_status fill(struct surface_samples *s, int bodies, const pdyn_body *
                                   s->rest_area + first, s->rest_volume + first);
         for (int k = first; body[b].permeability > 0.0 && k < first + points[b].count; k++)
             s->rest_volume[k] *= open_share;
+        if (hiding_triangles(&body[b]) && !sampling->model->volumes)
+            reduce_beside_border(s, sampling->border, triangle, rest, &points[b], first);
     }
     if (status != PDYN_OK) return status;
     for (int k = 0; k < s->count; k++) s->share[k] = s->rest_volume[k] / area(s, k, rest);

@@ -45,8 +45,8 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
                              ? fill_volumes(sim, spacing, n, volume, centre, is_wall)
                              : PDYN_NO_MEMORY;
     if (status == PDYN_OK)
-        status = occlusion_create(sim->context, sim->bodies, sim->body, n + sim->boundary.at.count,
-                                  support + skin, &sim->occlusion);
+        status = occlusion_create(sim->context, sim->bodies, sim->body, &sim->border,
+                                  n + sim->boundary.at.count, support + skin, &sim->occlusion);
     kinematic_move(sim, 0.0);
     struct neighbours_points points = {.particles = n,
                                        .centre = centre,
@@ -88,8 +88,12 @@ pdyn_status lists_create(struct pdyn_sim *sim) {
         .model = sim->scene.settings.boundary,
         .kernel = sim->scene.settings.kernel,
         .spacing = spacing,
+        .border = &sim->border,
         .thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0};
     pdyn_status status = solid_points_sample(sim, spacing);
+    if (status == PDYN_OK)
+        status =
+            border_create(sim->context, sim->bodies, sim->body, sim->rest, spacing, &sim->border);
     if (status == PDYN_OK)
         status = samples_create(sim->context, sim->bodies, sim->body, sim->objective.particles,
                                 sim->rest, &sampling, &sim->objective.samples);
@@ -111,6 +115,7 @@ void lists_free(struct pdyn_sim *sim) {
     neighbours_free(sim->objective.neighbours);
     samples_free(sim->objective.samples);
     occlusion_free(sim->occlusion);
+    border_free(&sim->border);
     boundary_points_free(sim->context, &sim->boundary);
     kinematic_free(sim->context, &sim->kinematic);
 }

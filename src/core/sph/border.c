@@ -1,0 +1,119 @@
+#include "border.h"
+
+#include "geometry/bvh.h"
+#include "geometry/distance.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- lists of sides -------------------------------------------------------------------------- */
+
+struct listing {
+    struct border *border;
+    int bodies;
+    const pdyn_body *body;
+    const double *rest;
+    struct box *box; /* of each triangle at rest */
+    struct bvh tree; /* of these boxes */
+    int first, last; /* triangles of the current body: first to before last */
+    int end[2];      /* of the current side */
+};
+
+static void count_side(void *user, int triangle) {
+    const struct listing *l = user;
+    if (triangle >= l->first && triangle < l->last) l->border->start[triangle + 1]++;
+}
+
+/* Moves the start of the list to its end. */
+static void add_side(void *user, int triangle) {
+    const struct listing *l = user;
+    if (triangle < l->first || triangle >= l->last) return;
+    int to = l->border->start[triangle]++;
+    memcpy(l->border->end + 2 * (size_t)to, l->end, sizeof l->end);
+}
+
+/* Side k of the body lies on its border: visits the triangles near it. */
+static void visit_side(struct listing *l, const pdyn_body *body, int k,
+                       void (*visit)(void *user, int triangle)) {
+    const int *corner = body->triangle + k / 3 * 3;
+    double width = l->border->width;
+    struct box box = box_empty;
+    for (int m = 0; m < 2; m++) {
+        l->end[m] = body->first + corner[(k + 1 + m) % 3];
+        box_add(&box, l->rest + 3 * (size_t)l->end[m]);
+    }
+    for (int a = 0; a < 3; a++) box.min[a] -= width, box.max[a] += width;
+    bvh_visit(&l->tree, &box, 0, visit, l);
+}
+
+static void visit_sides(struct listing *l, void (*visit)(void *user, int triangle)) {
+    l->last = 0;
+    for (int b = 0; b < l->bodies; b++) {
+        const pdyn_body *body = &l->body[b];
+        l->first = l->last, l->last += hiding_triangles(body);
+        for (int k = 0; k < 3 * hiding_triangles(body); k++)
+            if (body->across[k] < 0) visit_side(l, body, k, visit);
+    }
+}
+
+static void build_tree(struct listing *l) {
+    int count = 0;
+    for (int b = 0; b < l->bodies; b++) {
+        const pdyn_body *body = &l->body[b];
+        for (int k = 0; k < 3 * hiding_triangles(body); k++) {
+            struct box *box = &l->box[count + k / 3];
+            if (k % 3 == 0) *box = box_empty;
+            box_add(box, l->rest + 3 * (size_t)(body->first + body->triangle[k]));
+        }
+        count += hiding_triangles(body);
+    }
+    bvh_build(&l->tree, l->box, count, NULL);
+}
+
+static pdyn_status list_sides(struct listing *l) {
+    struct border *b = l->border;
+    size_t triangles = (size_t)b->triangles;
+    build_tree(l);
+    visit_sides(l, count_side);
+    for (size_t t = 0; t < triangles; t++) b->start[t + 1] += b->start[t];
+    b->sides = b->start[triangles];
+    b->end = NEW_ARRAY(b->context, 2 * (size_t)b->sides, int);
+    if (b->sides && !b->end) return PDYN_NO_MEMORY;
+    visit_sides(l, add_side);
+    memmove(b->start + 1, b->start, triangles * sizeof *b->start);
+    b->start[0] = 0;
+    return PDYN_OK;
+}
+
+pdyn_status border_create(pdyn_context *context, int bodies, const pdyn_body *body,
+                          const double *rest, double spacing, struct border *out) {
+    struct listing l = {.border = out, .bodies = bodies, .body = body, .rest = rest};
+    out->context = context, out->width = 0.5 * spacing;
+    for (int b = 0; b < bodies; b++) out->triangles += hiding_triangles(&body[b]);
+    if (!out->triangles) return PDYN_OK;
+    out->start = NEW_ARRAY(context, out->triangles + 1, int);
+    l.box = NEW_ARRAY(context, out->triangles, struct box);
+    pdyn_status status =
+        out->start && l.box ? bvh_create(context, out->triangles, &l.tree) : PDYN_NO_MEMORY;
+    if (status == PDYN_OK) status = list_sides(&l);
+    bvh_free(context, &l.tree);
+    FREE_ARRAY(context, l.box, out->triangles);
+    return status;
+}
+
+void border_free(struct border *b) {
+    FREE_ARRAY(b->context, b->start, b->triangles + 1);
+    FREE_ARRAY(b->context, b->end, 2 * (size_t)b->sides);
+}
+
+/* ---- distance -------------------------------------------------------------------------------- */
+
+double border_distance(const struct border *b, int triangle, const double *x, const double at[3]) {
+    double squared = b->width * b->width, weight[4];
+    for (int k = b->start[triangle]; k < b->start[triangle + 1]; k++) {
+        const int *end = b->end + 2 * (size_t)k;
+        const double *points[4] = {at, at, x + 3 * (size_t)end[0], x + 3 * (size_t)end[1]};
+        squared = fmin(squared, closest_edge_edge(points, weight));
+    }
+    return sqrt(squared);
+}

@@ -1,0 +1,34 @@
+/* Borders of surfaces. Around a border a fluid is on both sides at once: in a strip beside it a
+ * surface hides no particles (occlusion.h) and adds less to their density (surface_samples.h). */
+#ifndef PDYN_BORDER_H
+#define PDYN_BORDER_H
+
+#include "base/context.h"
+#include "projdyn/module.h"
+
+struct border {
+    pdyn_context *context;
+    double width;  /* m, of the strip: half a particle spacing */
+    int triangles; /* of all bodies that hide, in order */
+    int *start;    /* triangles + 1: the first side of each triangle's list */
+    int sides;     /* of all lists */
+    int *end;      /* sides x 2: the ends of a side, particles of the system */
+};
+
+/* The number of triangles of a body that hide particles on one side from those on the other. */
+static inline int hiding_triangles(const pdyn_body *body) {
+    return body->permeability > 0.0 ? 0 : body->triangles;
+}
+
+/* Lists, for each triangle, the sides of its body's border whose strip it meets at rest. rest: of
+ * the system, m; spacing: of the fluid's particles, m. *out must be 0. */
+pdyn_status border_create(pdyn_context *context, int bodies, const pdyn_body *body,
+                          const double *rest, double spacing, struct border *out);
+void border_free(struct border *border);
+
+/* Distance of `at`, a point of the triangle, to the border, m, at most the width of the strip. x:
+ * positions of the system, m. */
+double border_distance(const struct border *border, int triangle, const double *x,
+                       const double at[3]);
+
+#endif
