@@ -66,7 +66,7 @@ int main(int argc, char **argv) {
         if (pdyn_step(sim, &info) != PDYN_OK) return fail(context);
         add(&t, sim, &info);
         if (pdyn_time(sim) < 0.5 * pdyn_duration(sim) + 1e-9) memcpy(half, sim->x, bytes);
-        t.contacts += sim->objective.contact->current.view.count;
+        t.contacts += contact_current(sim->objective.contact)->count;
     }
     double n = (double)t.steps;
     printf("%d,%ld,%ld,%ld,%.0f,%.1f,%.3g,%.3g,%.2f,%.2f,%.3g\n", sim->objective.particles, t.steps,

@@ -1,5 +1,7 @@
 #include "intersect.h"
 
+#include "contact/contact_parts.h"
+
 #include "projdyn/vec3.h"
 
 #include <stdlib.h>

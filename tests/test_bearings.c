@@ -1,6 +1,5 @@
 /* Rigid bodies on their contacts: they do not rock, rise slowly after a fall, and roll freely; the
  * dashpots are the gradient of one energy and hold nothing together. */
-#include "contact/contact.h"
 #include "support.h"
 
 #include "projdyn/probe.h"

@@ -1,6 +1,6 @@
 /* Contact: its energies, that nothing passes through anything, momentum, friction by exact
  * solutions, memory and threads. */
-#include "contact/contact.h"
+#include "contact/contact_parts.h"
 #include "intersect.h"
 #include "scene_support.h"
 

@@ -1,6 +1,6 @@
 /* The list of close pairs: after any motion of few or many points it is what a search from the
  * regions alone finds, and no pair in contact is missing. */
-#include "contact/contact.h"
+#include "contact/contact_parts.h"
 #include "scene_support.h"
 
 #include <string.h>

@@ -1,6 +1,7 @@
 /* Forged states: the bytes of a saved state are changed and its checksum is corrected. Such a state
  * is refused, and the simulation continues as before it, or is accepted and harmless.
  * PROJDYN_FORGED=N forges N states of each scene. */
+#include "contact/contact_parts.h"
 #include "small_scenes.h"
 #include "support.h"
 

@@ -243,9 +243,15 @@ void bearings_add_forces(struct contact *c) {
             c->current.force[e] *= fmax(0.0, 1.0 + bearing->dashpot_force / bearing->pressed);
 }
 
-int bearings_solid(const struct contact *c, int dashpot) {
+bool contact_has_dashpots(const struct contact *c) { return c->bearings; }
+
+int contact_dashpot_solid(const struct contact *c, int dashpot) {
     int group = c->bearings->bearing[dashpot / BEARING_DASHPOTS].group[1];
     return group < c->bodies ? -1 : group - c->bodies;
+}
+
+void contact_add_dashpot_force(struct contact *c, int dashpot, double force) {
+    c->bearings->bearing[dashpot / BEARING_DASHPOTS].dashpot_force += force;
 }
 
 /* ---- memory ---------------------------------------------------------------------------------- */

@@ -3,7 +3,7 @@
 #ifndef PDYN_BEARINGS_H
 #define PDYN_BEARINGS_H
 
-#include "contact.h"
+#include "contact_parts.h"
 #include "rows/rigid_map.h"
 
 enum { BEARING_DASHPOTS = 4 };
@@ -49,8 +49,5 @@ pdyn_status bearings_update(struct contact *contact, const double *x);
 /* Adds dashpot_force of each bearing to the normal forces of its contacts at the end of the step
  * (current.force), in proportion to these. */
 void bearings_add_forces(struct contact *contact);
-
-/* The solid on which a dashpot acts, at its u; -1: none. */
-int bearings_solid(const struct contact *contact, int dashpot);
 
 #endif

@@ -8,7 +8,7 @@
  * Bodies that may come close to each other on their ways are a cluster. The first part of the path
  * moves a cluster as a whole. It is left out (F = 0) where it may bring the cluster close to other
  * surfaces, and for clusters with a fluid or a held body, or that may come close to a solid. */
-#include "contact.h"
+#include "contact_parts.h"
 
 #include "projdyn/vec3.h"
 

@@ -1,6 +1,6 @@
 /* The steps of contact within a time step (contact.h), and saved states. */
-#include "contact.h"
 #include "bearings.h"
+#include "contact_parts.h"
 
 #include "base/clock.h"
 #include "scene/poses.h"
@@ -168,6 +168,8 @@ pdyn_status contact_advance(struct contact *c, const double *x) {
 const double *contact_solid_at(const struct contact *c, int solid) {
     return c->at + 3 * (size_t)c->solid[solid].first;
 }
+
+bool contact_is_lagging(const struct contact *c) { return c->lagging; }
 
 double contact_lag(const struct contact *c, int solid) {
     const double *at = contact_solid_at(c, solid);

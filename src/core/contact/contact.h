@@ -6,169 +6,19 @@
  * A pair is a vertex or a particle and a face, or two edges, that share no vertex. No pair ever
  * passes through another: iterates move along straight paths that were checked (contact_filter.c),
  * from a state without intersections. Solids are partners in pairs like surfaces; a solid that
- * moves waits where it would pass through a surface. */
+ * moves waits where it would pass through a surface.
+ *
+ * This is what the rest of core calls; contact_parts.h has the data. */
 #ifndef PDYN_CONTACT_H
 #define PDYN_CONTACT_H
 
 #include "base/snapshot_file.h"
-#include "geometry/bvh.h"
-#include "geometry/distance.h"
-#include "rows/batch.h"
-#include "rows/row_memory.h"
-#include "scene/scene.h"
 
-struct pair {         /* two primitives that may come into contact */
-    uint64_t key;     /* highest bit: two edges; the bits from 32: number of the vertex or of the
-                         first edge; the lower ones: number of the face or of the second edge */
-    int point[4];     /* of the first primitive, then of the second */
-    double thickness; /* m: of the scene, or less where the two are closer in the rest shape */
-    double distance;  /* m: at `seen`, or less */
-    double share;     /* part of the stiffness (pdyn_contact), from the directions at the time when
-                         the pair was listed */
-};
+#include "projdyn/module.h"
 
-struct hit { /* a pair that is closer than its thickness */
-    int pair;
-    double distance; /* m */
-    double c[4];     /* the shortest vector is the sum of c_k x_k over the points of the pair */
-};
-
-struct stencil { /* of a contact: its shortest vector is the sum of c_k x_k */
-    int point[4];
-    double c[4];
-};
-
-struct contact_list {
-    int room;
-    pdyn_contact *contact;   /* room */
-    struct stencil *stencil; /* room: of the same contacts */
-    uint64_t *key;           /* room: scratch, their keys */
-    double *force;           /* room: scratch, their normal forces, N */
-    pdyn_contacts view;      /* what constraints see */
-};
-
-struct blocked { /* a pair that may move by a part of its displacement only */
-    int pair;
-    double part;
-};
-
-struct contact_solid {
-    const struct scene_solid *solid;
-    int first, count; /* its points */
-};
-
-struct contact_rigid { /* a rigid body */
-    int group;
-    int first, count; /* its points */
-    int carrier;      /* the first of the four particles of the system that carry it */
-};
-
-struct flat_sides { /* flat parts of solids and rigid bodies (flat_sides.c) */
-    int *across;    /* faces x 3: the face beyond the side opposite a corner; -1: it is not flat */
-    int *part;      /* faces: the first face of the flat part that it belongs to; or itself */
-    bool *edge;     /* edges_room: is such a side */
-    bool *point;    /* points: has such sides all around */
-};
-
-struct common_motion {    /* of bodies that fly together (common_motion.c) */
-    bool *held;           /* bodies: something holds parts of them */
-    double *displacement; /* bodies x 3, m: before the paths of this step */
-    bool known;           /* `displacement` was looked for in this step */
-    int *cluster;         /* bodies: another one of the cluster; itself: the first one */
-    int *members;         /* bodies: points of the cluster, at the first one */
-    bool *held_cluster;   /* bodies: the cluster has no common motion, at the first one */
-};
-
-/* Regions of points, boxes of faces and edges around them, and their trees (contact_regions.c). */
-struct broad_phase {
-    struct box *region; /* points: while all points are inside, the list of pairs is complete */
-    double *built;      /* points x 3, m: positions when the regions were set */
-    double *reach;      /* points, m: the largest distance from there within the region */
-    struct box *face_box, *edge_box;               /* faces, edges_room */
-    struct bvh face_tree[2], edge_tree[2];         /* of surfaces; of solids */
-    struct bvh changed_faces[2], changed_edges[2]; /* of those with points that have changed */
-    bool *changed;                                 /* points: whose pairs are searched anew */
-    bool *face_changed, *edge_changed;             /* faces, edges_room: with such points */
-    bool all_changed;
-    int *face_body, *edge_body; /* free_faces, free_edges: the group, if it does not touch itself;
-                                   -1: it does */
-};
-
-struct pair_list {     /* what the broad phase found */
-    int count, room;   /* room: of `pair`, and of arrays of contact_paths and contact_hits */
-    struct pair *pair; /* sorted by keys */
-    double *seen;      /* points x 3, m: positions of the distances of pairs */
-    double *moved;     /* points, m: distance from there */
-};
-
-struct pair_search { /* new pairs, by blocks of the parallel search */
-    int blocks;
-    size_t room;
-    struct pair *pair; /* room: those of block b from start[b] on */
-    size_t *start;     /* blocks + 1 */
-    int *count;        /* blocks */
-};
-
-/* Displacements without collision (contact_filter.c). */
-struct contact_paths {
-    double *x;               /* points x 3, m: where a path begins */
-    double *step;            /* points x 3, m: displacement */
-    double *length;          /* points, m: its length */
-    double *taken;           /* points: the part of the displacement that is free */
-    double *cut;             /* points: factor by which the current round shortens it */
-    int *candidate;          /* room: pairs that may be blocked */
-    int *candidates;         /* room / CONTACT_GRAIN */
-    struct blocked *blocked; /* room */
-    int *blocked_count;      /* room / CONTACT_GRAIN */
-};
-
-/* Pairs that are closer than their thickness (contact_find.c). */
-struct contact_hits {
-    struct hit *hit;    /* room: each block of pairs has its hits at its own place */
-    int *count, *start; /* room / CONTACT_GRAIN */
-};
-
-struct contact {
-    pdyn_context *context;
-    const struct scene_contact *settings;
-    double ms; /* wall time in this step */
-
-    /* Points: vertices of surfaces, then particles of fluids (both are free), then vertices of
-     * solids. Groups: bodies, then solids. */
-    int points, free, vertices;
-    const bool *live;  /* particles of the system that exist; NULL: all */
-    double *thickness; /* groups, m */
-    const char **name; /* groups */
-    int *group;        /* points; -1 for a point of a solid that no triangle has */
-    int *column;       /* free: particle of the system */
-    double *rest;      /* points x 3, m: rest shapes; relative to the pivot for solids that move */
-    double *at;        /* points x 3, m: positions at the last local step */
-    int faces, free_faces; /* those of surfaces are the first */
-    int *face;             /* faces x 3: points */
-    int edges, free_edges, edges_room;
-    int *edge; /* edges_room x 2: points */
-    int groups, bodies;
-    struct contact_solid *solid; /* groups - bodies */
-    int rigids;
-    struct contact_rigid *rigid; /* rigids: no pair within one comes into contact */
-    bool *permeable;             /* groups: particles of fluids pass their faces */
-    pdyn_body body;              /* all free particles, for the batches */
-    double *begin, *goal; /* (points - free) x 3, m: solids at the beginning and end of the step */
-    bool moving;          /* some solid moves in this scene */
-    bool lagging;         /* some solid has not reached its goal */
-
-    struct flat_sides flat;
-    struct common_motion common;
-    struct broad_phase broad;
-    struct pair_list pairs;
-    struct pair_search found;
-    struct contact_paths path;
-    struct contact_hits hits;
-    struct contact_list current; /* of the last local step */
-    struct contact_list start;   /* of the beginning of the step */
-    struct bearings *bearings;   /* of the latter; NULL: without rigid bodies or damping */
-    struct row_memory pressed;   /* N: normal forces of the last step, by the keys of contacts */
-};
+struct contact;
+struct rigid_map;
+struct scene;
 
 struct contact_def { /* what contact is made of; all but x must outlive it */
     const struct scene *scene;
@@ -179,6 +29,8 @@ struct contact_def { /* what contact is made of; all but x must outlive it */
     const double *x;               /* particles x 3, m: positions at the start */
 };
 
+/* ---- construction ---------------------------------------------------------------------------- */
+
 /* Makes the contact of a scene, and finds the contacts at the start. *out stays NULL in a scene
  * without contact. Fails where surfaces intersect, and leaves *out to be freed. */
 pdyn_status contact_create(pdyn_context *context, const struct contact_def *def,
@@ -186,132 +38,93 @@ pdyn_status contact_create(pdyn_context *context, const struct contact_def *def,
 /* Frees the contact with all that it has found. NULL: does nothing. */
 void contact_free(struct contact *contact);
 
+/* Says whether something holds parts of a body, which then has no common motion (common_motion.c).
+ */
+void contact_hold(struct contact *contact, int body, bool held);
+
 /* Fails where two triangles intersect, or a pair is closer than CONTACT_LEAST permits. After
  * contact_local. */
 pdyn_status contact_check(struct contact *contact);
+
+/* Writes or reads what the next step depends on. */
+void contact_persist(struct contact *contact, struct snapshot_file *snapshot);
+
+/* ---- one step, in the order of the calls ----------------------------------------------------- */
 
 /* Begins a step to `time` at the positions x of the last local step: the contacts there become
  * those of the beginning of the step, and solids get their poses at `time` as goals. */
 pdyn_status contact_begin(struct contact *contact, const double *x, double time);
 
-/* Stores the normal forces current.force of the step that ends, for the friction of the next. */
+/* Shortens the paths from x, bodies moved by their common displacement, to target (particles x 3)
+ * so that nothing passes anything, and changes target accordingly; solids move at the same time
+ * from where the step began to their goals. */
+pdyn_status contact_start(struct contact *contact, const double *x, double *target);
+/* The displacement, m, of a body before the paths of this step begin; 0 where all are free. */
+const double *contact_common(const struct contact *contact, int body);
+
+/* Finds the contacts at x, for the local steps of constraints. */
+pdyn_status contact_local(struct contact *contact, const double *x);
+
+/* Shortens the parts of a direction (particles x 3) that are not free from x. */
+pdyn_status contact_filter(struct contact *contact, const double *x, double *direction);
+/* The smallest part that contact_start or contact_filter last left of a point's displacement. */
+double contact_least(const struct contact *contact);
+
+/* Moves solids that have not reached their goals on as far as they can, with surfaces at x. */
+pdyn_status contact_advance(struct contact *contact, const double *x);
+
+/* At the end of a step: stores the forces in contact_normal_forces, with those that dashpots add,
+ * for the friction of the next step. */
 void contact_store_forces(struct contact *contact);
 
 /* Undoes a step that failed: solids go back to where it began, surfaces are at x. */
 pdyn_status contact_take_back(struct contact *contact, const double *x);
 
-/* Writes or reads what the next step depends on. */
-void contact_persist(struct contact *contact, struct snapshot_file *snapshot);
+/* ---- what it has found ----------------------------------------------------------------------- */
 
-/* Shortens the paths from x, bodies moved by their common displacement, to target (particles x 3)
- * so that nothing passes anything, and changes target accordingly; solids move at the same time
- * from where the step began to their goals. */
-pdyn_status contact_start(struct contact *contact, const double *x, double *target);
+/* The contacts of the last local step, and of the beginning of the step; the latter are without
+ * those of fluid particles. The pointers stay valid. */
+const pdyn_contacts *contact_current(const struct contact *contact);
+const pdyn_contacts *contact_at_start(const struct contact *contact);
 
-/* The displacement, m, of a body before the paths of this step begin; 0 where all are free. */
-const double *contact_common(const struct contact *contact, int body);
+/* All free particles: the body of the constraints that act on contacts. */
+const pdyn_body *contact_body(const struct contact *contact);
 
-/* Says whether something holds parts of a body, which then has no common motion (common_motion.c).
- */
-void contact_hold(struct contact *contact, int body, bool held);
+/* Normal forces of contact_current, N, for the caller to set before contact_store_forces. */
+double *contact_normal_forces(struct contact *contact);
 
-/* The smallest part that the last call left of a point's displacement. */
-double contact_least(const struct contact *contact);
+struct contact_vertex { /* a vertex of a solid in a contact */
+    int solid;
+    double coefficient; /* in the shortest vector, the sum of coefficient x position */
+    const double *x;    /* m */
+};
 
-/* Shortens the parts of a direction (particles x 3) that are not free from x. */
-pdyn_status contact_filter(struct contact *contact, const double *x, double *direction);
+/* Lists the vertices of solids in contact e of contact_current or contact_at_start. Returns their
+ * number. */
+int contact_list_vertices(const struct contact *contact, const pdyn_contacts *contacts, int e,
+                          struct contact_vertex vertex[4]);
 
-/* Moves solids that have not reached their goals on as far as they can, with surfaces at x. */
-pdyn_status contact_advance(struct contact *contact, const double *x);
+/* Wall time in contact since contact_clear_ms. */
+double contact_ms(const struct contact *contact);
+void contact_clear_ms(struct contact *contact);
+
+/* ---- solids ---------------------------------------------------------------------------------- */
 
 /* The positions of the vertices of a solid, 3 per vertex, m: where it has come to. */
 const double *contact_solid_at(const struct contact *contact, int solid);
 
-/* The largest distance, m, between a vertex of a solid and its goal. */
+/* Whether a solid has not reached its goal, and the largest distance, m, between a vertex of a
+ * solid and its goal. */
+bool contact_is_lagging(const struct contact *contact);
 double contact_lag(const struct contact *contact, int solid);
 
-/* Finds the contacts at x, for the local steps of constraints. */
-pdyn_status contact_local(struct contact *contact, const double *x);
+/* ---- bearings of rigid bodies (bearings.h) --------------------------------------------------- */
 
-/* ---- within contact -------------------------------------------------------------------------- */
-
-enum { CONTACT_GRAIN = 1024 }; /* pairs of a parallel block */
-
-/* Places solids as at time 0, then finds the contacts at x, and checks them. */
-pdyn_status contact_place(struct contact *contact, const double *x);
-
-/* Finds the flat sides of solids and rigid bodies. */
-pdyn_status contact_find_flat_sides(struct contact *contact);
-/* The key of a pair, which stays the same while a vertex moves over a flat part: so does what
- * friction remembers. */
-uint64_t contact_key(const struct contact *contact, const struct pair *pair);
-/* A side of the second primitive of a pair, or of its flat part, m. */
-void contact_side(const struct contact *contact, const struct pair *pair, double side[3]);
-/* Whether another face, beyond a flat side of this one, is nearer to the vertex of a pair, or as
- * near and has a lower number. */
-bool contact_is_beyond_flat_side(const struct contact *contact, const struct pair *pair,
-                                 const struct hit *hit);
-
-/* No path brings the points of a pair closer than this part of its thickness. */
-#define CONTACT_LEAST 0.0625
-
-/* Gives points that are not in their regions, with their displacement from x by step (points x 3;
- * NULL: none), new ones, and all points if these are many; marks them as changed. Returns whether
- * there are any. */
-bool contact_update_regions(struct contact *contact, const double *x, const double *step);
-/* Builds the trees of faces and edges around the regions. */
-void contact_update_trees(struct contact *contact);
-/* Whether one of the points has changed. */
-bool contact_has_changed(const struct contact *contact, const int *point, int points);
-/* The box around the regions of the points, larger by half a thickness. */
-void contact_wrap_regions(const struct contact *contact, const int *point, int points,
-                          struct box *box);
-
-/* Makes the list of pairs complete for all positions between x and x + step (points x 3; step NULL:
- * at x). */
-pdyn_status contact_cover(struct contact *contact, const double *x, const double *step);
-
-/* Lists all pairs that can come closer than their thickness in the regions. */
-pdyn_status contact_list(struct contact *contact);
-/* pairs.moved = how far points are at x (points x 3) from where distances of pairs were measured.
- */
-void contact_measure_moved(struct contact *contact, const double *x);
-void contact_free_pairs(struct contact *contact);
-
-/* Shortens contact->path.step from contact->path.x to free paths; sets contact->path.taken. */
-pdyn_status contact_free_paths(struct contact *contact);
-
-/* Sets contact->common.displacement from the paths x and step of all points, which are not
- * shortened. */
-pdyn_status common_motion_find(struct contact *contact);
-
-/* Sets the contacts at contact->at, from the list of pairs. */
-pdyn_status contact_find(struct contact *contact);
-
-/* Copies the current contacts, but for those of fluid particles, to those of the beginning. */
-pdyn_status contact_set_start(struct contact *contact);
-
-/* Updates the offsets of the contacts of the beginning after solids moved. */
-void contact_follow_solids(struct contact *contact);
-
-void contact_list_free(pdyn_context *context, struct contact_list *list);
-
-static inline const struct pair_kind *pair_kind_of(uint64_t key) {
-    return key >> 63 ? &pair_edge_edge : &pair_vertex_face;
-}
-
-/* The sum of the largest numbers of the points of both primitives: an upper bound of how far they
- * approach each other where the numbers are how far the points move. */
-static inline double pair_largest(const struct pair *p, const double *of) {
-    const int *i = p->point;
-    double a = of[i[0]], b = of[i[1]], c = of[i[2]], d = of[i[3]], other = c > d ? c : d;
-    if (pair_kind_of(p->key)->first == 2) return (a > b ? a : b) + other;
-    return a + (b > other ? b : other);
-}
-
-/* 3-vectors of the points of a pair. */
-static inline void pair_load(const int point[4], const double *from, const double *out[4]) {
-    for (int k = 0; k < 4; k++) out[k] = from + 3 * (size_t)point[k];
-}
+/* Whether contacts have dashpots (pdyn_dashpot). */
+bool contact_has_dashpots(const struct contact *contact);
+/* The solid on which a dashpot acts, at its u; -1: none. */
+int contact_dashpot_solid(const struct contact *contact, int dashpot);
+/* Adds a force, N, of a dashpot along its normal, before contact_store_forces. */
+void contact_add_dashpot_force(struct contact *contact, int dashpot, double force);
 
 #endif

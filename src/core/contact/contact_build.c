@@ -2,7 +2,7 @@
  * the memory of all of it. */
 #include "base/body.h"
 #include "bearings.h"
-#include "contact.h"
+#include "contact_parts.h"
 
 #include "projdyn/vec3.h"
 

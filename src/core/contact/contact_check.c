@@ -1,6 +1,6 @@
 /* The check that nothing intersects where contact begins: at the start of a scene, and where a
  * program places a body. Paths without collision need a state without intersections. */
-#include "contact.h"
+#include "contact_parts.h"
 
 #include "projdyn/vec3.h"
 

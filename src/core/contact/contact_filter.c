@@ -2,7 +2,7 @@
  * displacement. A pair that would collide shortens the parts of its four points; then all pairs of
  * these points are tested again, until no pair collides. All points of a solid or a rigid
  * body move by the same part, the smallest one. */
-#include "contact.h"
+#include "contact_parts.h"
 
 #include "projdyn/vec3.h"
 

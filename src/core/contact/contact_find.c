@@ -1,6 +1,8 @@
 /* Contacts: pairs that are closer than their thickness, with the weights of their closest points.
- * contact.h has two lists of them: of the last local step, and of the beginning of the step. */
-#include "contact.h"
+ * contact_parts.h has two lists of them: of the last local step, and of the beginning of the step.
+ */
+#include "bearings.h"
+#include "contact_parts.h"
 
 #include "projdyn/vec3.h"
 
@@ -128,6 +130,7 @@ static void set_keys(struct contact_list *list) {
 
 void contact_store_forces(struct contact *c) {
     struct contact_list *list = &c->current;
+    if (c->bearings) bearings_add_forces(c);
     set_keys(list);
     row_memory_set(&c->pressed, list->key, list->force, list->view.count, sizeof *list->force);
 }
@@ -162,3 +165,25 @@ void contact_follow_solids(struct contact *c) {
     for (int e = 0; e < start->view.count; e++)
         set_offset(c, &start->stencil[e], start->contact[e].offset);
 }
+
+/* ---- for the rest of core -------------------------------------------------------------------- */
+
+const pdyn_contacts *contact_current(const struct contact *c) { return &c->current.view; }
+const pdyn_contacts *contact_at_start(const struct contact *c) { return &c->start.view; }
+const pdyn_body *contact_body(const struct contact *c) { return &c->body; }
+double *contact_normal_forces(struct contact *c) { return c->current.force; }
+
+int contact_list_vertices(const struct contact *c, const pdyn_contacts *contacts, int e,
+                          struct contact_vertex vertex[4]) {
+    const struct contact_list *list = contacts == &c->start.view ? &c->start : &c->current;
+    const struct stencil *s = &list->stencil[e];
+    int count = 0;
+    for (int k = 0; k < 4; k++)
+        if (s->point[k] >= c->free)
+            vertex[count++] = (struct contact_vertex){c->group[s->point[k]] - c->bodies, s->c[k],
+                                                      c->at + 3 * (size_t)s->point[k]};
+    return count;
+}
+
+double contact_ms(const struct contact *c) { return c->ms; }
+void contact_clear_ms(struct contact *c) { c->ms = 0.0; }

@@ -5,7 +5,7 @@
  * Only the pairs of points with new regions are searched anew: most searches of an impact are for a
  * few of thousands of points. The list is sorted, so that it depends on the regions and not on
  * earlier lists: a resumed run makes it again from the regions. */
-#include "contact.h"
+#include "contact_parts.h"
 
 #include "projdyn/vec3.h"
 

@@ -1,7 +1,7 @@
 /* Regions of the broad phase: each point has one, a box around it and its displacement. A point
  * that leaves its region gets a new one. Faces and edges have boxes around the regions of their
  * points, and trees of these boxes. */
-#include "contact.h"
+#include "contact_parts.h"
 
 #include "projdyn/vec3.h"
 

@@ -3,7 +3,7 @@
  * of the other body suffice, so these sides and points take no part in contact; and of two
  * triangles that meet at such a side only the nearer one pairs with a vertex. Otherwise a floor of
  * triangles would have bumps at its edges: two pairs push where one does elsewhere. */
-#include "contact.h"
+#include "contact_parts.h"
 
 #include "projdyn/vec3.h"
 

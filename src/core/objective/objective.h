@@ -50,9 +50,9 @@ struct objective {
     int batches, capacity;
     struct batch **batch;        /* capacity */
     struct contact *contact;     /* NULL in a scene without contact */
-    struct batch *barrier;       /* of contact: element e acts on contact e of `current` */
+    struct batch *barrier;       /* of contact: element e acts on contact e of contact_current */
     struct batch *dashpots;      /* on dashpot e; NULL without bearings */
-    struct batch *friction;      /* on contact e of `start`; NULL without friction */
+    struct batch *friction;      /* on contact e of contact_at_start; NULL without friction */
     struct wet_sides *wet_sides; /* NULL where no surface has friction with a fluid */
     bool dynamic;                /* some constraint changes from step to step (PDYN_DYNAMIC) */
     unsigned weights_revision;   /* changes when weights do, for another reason than h */

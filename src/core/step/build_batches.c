@@ -105,18 +105,18 @@ static void share_contacts(struct objective *objective) {
     for (int k = 0; k < objective->batches; k++) {
         struct batch *b = objective->batch[k];
         bool always = b->type->flags & PDYN_EVERY_ITERATION;
-        b->view.contacts = always ? &c->current.view : &c->start.view;
+        b->view.contacts = always ? contact_current(c) : contact_at_start(c);
     }
 }
 
 pdyn_status batches_add_contact(struct pdyn_sim *sim) {
     struct objective *o = &sim->objective;
     if (!o->contact) return PDYN_OK;
-    const pdyn_body *all = &o->contact->body;
+    const pdyn_body *all = contact_body(o->contact);
     pdyn_status status = add_own(o, &pdyn_constraint_contact, all, &o->barrier);
-    if (status == PDYN_OK && o->contact->bearings)
+    if (status == PDYN_OK && contact_has_dashpots(o->contact))
         status = add_own(o, &pdyn_constraint_contact_damping, all, &o->dashpots);
-    if (status == PDYN_OK && o->contact->settings->friction > 0.0)
+    if (status == PDYN_OK && sim->scene.contact.friction > 0.0)
         status = add_own(o, &pdyn_constraint_friction, all, &o->friction);
     share_contacts(o);
     return status;

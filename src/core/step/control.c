@@ -54,8 +54,7 @@ static void find_held(struct pdyn_sim *sim, const struct batch *b) {
 void control_find_anchored(struct pdyn_sim *sim) {
     const struct objective *objective = &sim->objective;
     struct contact *contact = objective->contact;
-    bool solids = contact && contact->points > contact->free;
-    sim->anchored = solids || (sim->live && sim->live->pushed > 0);
+    sim->anchored = (contact && sim->scene.solids > 0) || (sim->live && sim->live->pushed > 0);
     for (int b = 0; contact && b < sim->bodies; b++) contact_hold(contact, b, false);
     for (int b = 0; b < sim->constraints; b++) find_held(sim, objective->batch[b]);
     for (int k = 1; k <= sim->control.batches; k++) /* holds: the last ones */

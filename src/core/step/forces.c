@@ -8,7 +8,7 @@
  * (docs/theory/time-integration.md). */
 #include "forces.h"
 
-#include "contact/bearings.h"
+#include "contact/contact.h"
 #include "sim.h"
 
 #include "projdyn/probe.h"
@@ -68,17 +68,16 @@ static double dashpot_force(const struct pdyn_sim *sim, int e) {
 
 void forces_store_normal(struct pdyn_sim *sim) {
     const struct objective *o = &sim->objective;
-    struct contact *c = o->contact;
     if (!o->friction) return;
+    double *force = contact_normal_forces(o->contact);
     for (int e = 0; e < o->barrier->view.elements; e++) {
         double g[3];
         forces_row_gradient(sim, o->barrier, e, e, g);
-        c->current.force[e] = vec3_length(g);
+        force[e] = vec3_length(g);
     }
     for (int e = 0; o->dashpots && e < o->dashpots->view.elements; e++)
-        c->bearings->bearing[e / BEARING_DASHPOTS].dashpot_force += dashpot_force(sim, e);
-    if (c->bearings) bearings_add_forces(c);
-    contact_store_forces(c);
+        contact_add_dashpot_force(o->contact, e, dashpot_force(sim, e));
+    contact_store_forces(o->contact);
 }
 
 typedef bool choose_fn(const struct batch *batch, const struct batch *constraint);

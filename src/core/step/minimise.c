@@ -147,7 +147,7 @@ static void observe(const struct pdyn_sim *sim, const struct progress *p, int li
 /* Moves solids on that wait for a surface in contact. */
 static pdyn_status advance_solids(struct pdyn_sim *sim, double *energy) {
     struct contact *contact = sim->objective.contact;
-    if (!contact || !contact->lagging) return PDYN_OK;
+    if (!contact || !contact_is_lagging(contact)) return PDYN_OK;
     pdyn_status status = contact_advance(contact, sim->x_next);
     return status == PDYN_OK ? objective_local(&sim->objective, sim->x_next, energy, sim->gradient)
                              : status;
@@ -161,7 +161,7 @@ static const double start_part = 1e-3;
 static bool is_solved(const struct pdyn_sim *sim, const struct progress *p) {
     double part = p->outer == 0 && !solves_fluid_alone(sim) ? start_part : 1.0;
     return p->residual <= part * sim->scene.settings.tolerance &&
-           !(sim->objective.contact && sim->objective.contact->lagging);
+           !(sim->objective.contact && contact_is_lagging(sim->objective.contact));
 }
 
 /* Local and global steps in turn until the step residual is small enough. */

@@ -1,7 +1,7 @@
 /* Loads on solids: sums of the forces of operators and contact pairs. */
 #include "solid_load.h"
 
-#include "contact/bearings.h"
+#include "contact/contact.h"
 #include "forces.h"
 #include "sim.h"
 #include "sph/boundary.h"
@@ -91,18 +91,15 @@ static void add_contact_force(const struct pdyn_sim *sim, int solid, const doubl
 }
 
 /* Adds the force of element e, one row, on the solids of its contact. */
-static void add_element(const struct pdyn_sim *sim, const struct contact_list *list,
-                        const struct batch *batch, int e) {
-    const struct contact *c = sim->objective.contact;
-    const struct stencil *stencil = &list->stencil[e];
+static void add_element(const struct pdyn_sim *sim, const struct batch *batch, int e) {
+    struct contact_vertex vertex[4];
     double g[3];
+    int count = contact_list_vertices(sim->objective.contact, batch->view.contacts, e, vertex);
     forces_row_gradient(sim, batch, e, e, g);
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < count; k++) {
         double force[3] = {0};
-        int point = stencil->point[k];
-        if (point < c->free) continue;
-        vec3_add(force, -stencil->c[k], g);
-        add_contact_force(sim, c->group[point] - c->bodies, c->at + 3 * (size_t)point, force);
+        vec3_add(force, -vertex[k].coefficient, g);
+        add_contact_force(sim, vertex[k].solid, vertex[k].x, force);
     }
 }
 
@@ -112,7 +109,7 @@ static void add_damping(const struct pdyn_sim *sim) {
     for (int e = 0; b && e < b->view.elements; e++) {
         const double *u = b->view.u + 3 * (size_t)e, *p = b->view.p + 3 * (size_t)e;
         double force[3] = {0};
-        int solid = bearings_solid(sim->objective.contact, e);
+        int solid = contact_dashpot_solid(sim->objective.contact, e);
         if (solid < 0) continue;
         vec3_add(force, b->view.weight[e], u);
         vec3_add(force, -b->view.weight[e], p);
@@ -123,10 +120,9 @@ static void add_damping(const struct pdyn_sim *sim) {
 static void add_contact(const struct pdyn_sim *sim) {
     const struct objective *o = &sim->objective;
     if (!o->contact) return;
-    for (int e = 0; e < o->barrier->view.elements; e++)
-        add_element(sim, &o->contact->current, o->barrier, e);
+    for (int e = 0; e < o->barrier->view.elements; e++) add_element(sim, o->barrier, e);
     for (int e = 0; o->friction && e < o->friction->view.elements; e++)
-        add_element(sim, &o->contact->start, o->friction, e);
+        add_element(sim, o->friction, e);
     add_damping(sim);
 }
 

@@ -176,7 +176,7 @@ static pdyn_status find_first_normal_forces(struct pdyn_sim *sim, const struct s
     struct progress progress;
     void (*observer)(void *, const pdyn_iteration *) = sim->observer;
     double eps = sim->eps;
-    if (sim->steps || !objective->friction || !objective->contact->current.view.count)
+    if (sim->steps || !objective->friction || !contact_current(objective->contact)->count)
         return PDYN_OK;
     sim->observer = NULL;
     pdyn_status status = attempt(sim, end, &progress);
@@ -226,7 +226,7 @@ static void finish_step(struct pdyn_sim *sim, const struct step_end *end,
 static void measure_times(const struct pdyn_sim *sim, double ms, double ms_cpu,
                           pdyn_step_info *info) {
     info->ms_neighbours = sim->objective.ms_neighbours, info->ms_local = sim->objective.ms_local;
-    info->ms_contact = sim->objective.contact ? sim->objective.contact->ms : 0.0;
+    info->ms_contact = sim->objective.contact ? contact_ms(sim->objective.contact) : 0.0;
     info->ms_global = ms - info->ms_neighbours - info->ms_local - info->ms_contact;
     info->ms_cpu = ms_cpu;
 }
@@ -237,7 +237,7 @@ static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_inf
     double start = clock_ms(), cpu = clock_cpu_ms();
     forces_forget(sim);
     sim->objective.ms_neighbours = sim->objective.ms_local = 0.0;
-    if (sim->objective.contact) sim->objective.contact->ms = 0.0;
+    if (sim->objective.contact) contact_clear_ms(sim->objective.contact);
     pdyn_status status = attempt_with_retries(sim, &end, &progress, &retries);
     if (status != PDYN_OK) return status;
     finish_step(sim, &end, &progress);

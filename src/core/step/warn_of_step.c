@@ -110,7 +110,7 @@ static bool is_pinned(const struct pdyn_sim *sim, int particle) {
 /* The body of a contact that is pressed flat between pins and a solid, or between pins; NULL: none.
  * No stiffness of contact moves either side. */
 static const pdyn_body *find_pinned_flat(const struct pdyn_sim *sim) {
-    const pdyn_contacts *contacts = &sim->objective.contact->current.view;
+    const pdyn_contacts *contacts = contact_current(sim->objective.contact);
     for (int k = 0; k < contacts->count; k++) {
         const pdyn_contact *c = &contacts->contact[k];
         bool flat = c->distance < pressed_flat * c->thickness;
@@ -127,8 +127,9 @@ static const pdyn_body *find_pinned_flat(const struct pdyn_sim *sim) {
 /* A solid that waits presses with a force that no stiffness carries. */
 static void warn_pressed(struct pdyn_sim *sim, double residual) {
     const struct contact *contact = sim->objective.contact;
-    if (!contact || contact->lagging || residual <= sim->scene.settings.tolerance) return;
-    double least = least_distance(&contact->current.view);
+    if (!contact || contact_is_lagging(contact) || residual <= sim->scene.settings.tolerance)
+        return;
+    double least = least_distance(contact_current(contact));
     if (least >= pressed_flat) return;
     const pdyn_body *pinned = find_pinned_flat(sim);
     struct warning *w = warnings_count(&sim->warnings, WARNING_CONTACT_STIFFNESS,
@@ -144,7 +145,7 @@ static void warn_pressed(struct pdyn_sim *sim, double residual) {
             sim->context, w,
             "%ld of %ld steps are unsolved with surfaces as close as %.2g of the contact "
             "thickness: \"contact.stiffness\" of %g N/m is too small for what presses them",
-            w->count, sim->steps, 1.0 / w->worst, contact->settings->stiffness);
+            w->count, sim->steps, 1.0 / w->worst, sim->scene.contact.stiffness);
 }
 
 /* ---- solids that wait ------------------------------------------------------------------------ */
@@ -153,9 +154,9 @@ static void warn_pressed(struct pdyn_sim *sim, double residual) {
  * press leaves for the cloth in it. */
 static void warn_waiting(struct pdyn_sim *sim) {
     const struct contact *contact = sim->objective.contact;
-    for (int s = 0; contact && contact->lagging && s < sim->scene.solids; s++) {
+    for (int s = 0; contact && contact_is_lagging(contact) && s < sim->scene.solids; s++) {
         double lag = contact_lag(contact, s);
-        if (lag <= contact->settings->thickness) continue;
+        if (lag <= sim->scene.contact.thickness) continue;
         struct warning *w = warnings_count(&sim->warnings, WARNING_SOLID_WAITS,
                                            sim->scene.solid[s].name, sim->time, 1, lag);
         warnings_say(sim->context, w,
