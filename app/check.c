@@ -77,13 +77,10 @@ struct check_options {
 
 static bool accept_option(void *self, int option) {
     struct check_options *check = self;
-    struct scene_options *options = &check->scene;
-    check->conformance |= option == 'c', check->strict |= option == 'S';
-    if (option == 'S') return true;
-    if (option == 's') return scene_set(options, optarg);
-    if (option == 't') return scene_threads(options, optarg);
-    if (option == 'A') return scene_allow_plugins();
-    return (option == 'p' || option == 'c') && scene_plugin(options, optarg);
+    if (option == 'S') return check->strict = true;
+    if (option != 'c') return scene_accept_option(&check->scene, option);
+    check->conformance = true;
+    return scene_plugin(&check->scene, optarg);
 }
 
 static int check_scene(const struct check_options *check) {
@@ -101,10 +98,7 @@ static int check_scene(const struct check_options *check) {
 }
 
 int check_main(int argc, char **argv) {
-    static const struct option long_options[] = {{"set", required_argument, NULL, 's'},
-                                                 {"threads", required_argument, NULL, 't'},
-                                                 {"allow-plugins", no_argument, NULL, 'A'},
-                                                 {"plugin", required_argument, NULL, 'p'},
+    static const struct option long_options[] = {SCENE_OPTIONS,
                                                  {"conformance", required_argument, NULL, 'c'},
                                                  {"strict", no_argument, NULL, 'S'},
                                                  {"help", no_argument, NULL, 'h'},

@@ -61,33 +61,26 @@ static bool accept_option(void *self, int option) {
     switch (option) {
     case 'o':
         return parse_solvers(c, optarg);
-    case 's':
-        return scene_set(&c->benchmark.scene, optarg);
-    case 'P':
-        return scene_plugin(&c->benchmark.scene, optarg);
-    case 'A':
-        return scene_allow_plugins();
     case 'n':
         return parse_count("--steps", optarg, &c->benchmark.steps);
     case 'r':
         return parse_count("--rounds", optarg, &c->benchmark.rounds);
-    case 't':
-        return scene_threads(&c->benchmark.scene, optarg);
     case 'c':
         return c->csv = true;
     default:
-        return false;
+        return scene_accept_option(&c->benchmark.scene, option);
     }
 }
 
 /* Parses the command line. Returns -1 if the benchmark can start, otherwise the exit code. */
 static int parse(struct compare *c, int argc, char **argv) {
-    static const struct option long_options[] = {
-        {"solver", required_argument, NULL, 'o'},  {"set", required_argument, NULL, 's'},
-        {"steps", required_argument, NULL, 'n'},   {"rounds", required_argument, NULL, 'r'},
-        {"threads", required_argument, NULL, 't'}, {"csv", no_argument, NULL, 'c'},
-        {"plugin", required_argument, NULL, 'P'},  {"allow-plugins", no_argument, NULL, 'A'},
-        {"help", no_argument, NULL, 'h'},          {0}};
+    static const struct option long_options[] = {{"solver", required_argument, NULL, 'o'},
+                                                 {"steps", required_argument, NULL, 'n'},
+                                                 {"rounds", required_argument, NULL, 'r'},
+                                                 {"csv", no_argument, NULL, 'c'},
+                                                 SCENE_OPTIONS,
+                                                 {"help", no_argument, NULL, 'h'},
+                                                 {0}};
     int code = parse_options(argc, argv, "h", long_options, usage, accept_option, c);
     if (code >= 0) return code;
     if (argc - optind != 1 || c->benchmark.solvers < 2)

@@ -82,42 +82,27 @@ static bool accept_option(void *self, int option) {
     struct run_options *o = self;
     switch (option) {
     case 'o':
-        o->output = optarg;
-        return true;
+        return o->output = optarg, true;
     case 'r':
-        o->report = optarg;
-        return true;
+        return o->report = optarg, true;
     case 'p':
-        o->ply = true;
-        return true;
+        return o->ply = true;
     case 'n':
-        o->no_frames = true;
-        return true;
+        return o->no_frames = true;
     case 'q':
-        o->quiet = true;
-        return true;
+        return o->quiet = true;
     case 'E':
-        o->strict = true;
-        return true;
+        return o->strict = true;
     case 'R':
-        o->resume = optarg;
-        return true;
+        return o->resume = optarg, true;
     case 'S':
         return parse_save(o, optarg);
-    case 't':
-        return scene_threads(&o->scene, optarg);
-    case 's':
-        return scene_set(&o->scene, optarg);
-    case 'P':
-        return scene_plugin(&o->scene, optarg);
-    case 'A':
-        return scene_allow_plugins();
     case 'T':
         return parse_seconds("--time", optarg, &o->given_end);
     case 'W':
         return parse_wall_time(o, optarg);
     default:
-        return false;
+        return scene_accept_option(&o->scene, option);
     }
 }
 
@@ -151,10 +136,7 @@ static int read_resume_options(struct run_options *o, int scenes) {
 /* Parses the command line. Returns -1 if the run can start, otherwise the exit code. */
 static int parse(struct run_options *o, int argc, char **argv) {
     static const struct option long_options[] = {{"output", required_argument, NULL, 'o'},
-                                                 {"threads", required_argument, NULL, 't'},
-                                                 {"set", required_argument, NULL, 's'},
-                                                 {"plugin", required_argument, NULL, 'P'},
-                                                 {"allow-plugins", no_argument, NULL, 'A'},
+                                                 SCENE_OPTIONS,
                                                  {"time", required_argument, NULL, 'T'},
                                                  {"wall-time", required_argument, NULL, 'W'},
                                                  {"report", required_argument, NULL, 'r'},

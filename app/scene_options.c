@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool scene_threads(struct scene_options *options, const char *text) {
+static bool parse_threads(struct scene_options *options, const char *text) {
     long threads;
     if (!parse_integer("--threads", text, 1, 1024, &threads)) return false;
     options->threads = (int)threads;
@@ -30,7 +30,7 @@ bool scene_plugin(struct scene_options *options, const char *file) {
 
 static const char allow_plugins[] = "PROJDYN_ALLOW_PLUGINS";
 
-bool scene_allow_plugins(void) {
+static bool permit_plugins(void) {
     if (!setenv(allow_plugins, "1", 1)) return true;
     return report_no_memory(), false;
 }
@@ -38,6 +38,13 @@ bool scene_allow_plugins(void) {
 bool scene_plugins_allowed(void) {
     const char *value = getenv(allow_plugins);
     return value && !strcmp(value, "1");
+}
+
+bool scene_accept_option(struct scene_options *options, int option) {
+    if (option == 's') return scene_set(options, optarg);
+    if (option == 't') return parse_threads(options, optarg);
+    if (option == 'P') return scene_plugin(options, optarg);
+    return option == 'A' && permit_plugins();
 }
 
 void scene_options_free(struct scene_options *options) {

@@ -18,19 +18,23 @@ struct scene_options {
     bool silent; /* suppresses warnings; may change while a context is there */
 };
 
-/* Parses the argument of --threads; false with a message if it is no integer from 1 to 1024. */
-bool scene_threads(struct scene_options *options, const char *text);
+/* The four options for the table of parse_options, and the function that takes one of them: false,
+ * with a message if it is one of them. */
+#define SCENE_OPTIONS                                                                              \
+    {"set", required_argument, NULL, 's'}, {"threads", required_argument, NULL, 't'},              \
+        {"plugin", required_argument, NULL, 'P'}, {                                                \
+        "allow-plugins", no_argument, NULL, 'A'                                                    \
+    }
+bool scene_accept_option(struct scene_options *options, int option);
 
 /* Append an override or a plug-in file. The text is not copied and must outlive the options.
  * false with a message if memory ran out. */
 bool scene_set(struct scene_options *options, const char *text);
 bool scene_plugin(struct scene_options *options, const char *file);
 
-/* Permission to load plug-ins that a scene or a run.json names: --allow-plugins calls
- * scene_allow_plugins(), which sets PROJDYN_ALLOW_PLUGINS=1 in the environment, so that the runs
- * that this process starts have the permission, too. scene_allow_plugins() returns false with a
- * message if memory ran out. */
-bool scene_allow_plugins(void);
+/* Permission to load plug-ins that a scene or a run.json names: --allow-plugins sets
+ * PROJDYN_ALLOW_PLUGINS=1 in the environment, so that the runs that this process starts have the
+ * permission, too. */
 bool scene_plugins_allowed(void);
 
 void scene_options_free(struct scene_options *options);

@@ -62,10 +62,6 @@ static bool accept_option(void *self, int option) {
         return parameter_grid_add(&s->grid, optarg);
     case 'T':
         return accept_time(s, optarg);
-    case 'P':
-        return scene_plugin(&s->jobs.scene, optarg);
-    case 'A':
-        return scene_allow_plugins();
     case 'o':
         return s->jobs.output = optarg, true;
     case 'j':
@@ -85,7 +81,7 @@ static bool accept_option(void *self, int option) {
     case 'q':
         return s->jobs.quiet = true;
     default:
-        return false;
+        return scene_accept_option(&s->jobs.scene, option);
     }
 }
 

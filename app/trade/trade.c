@@ -126,16 +126,12 @@ static bool accept_option(void *self, int option) {
         return o->target.write = optarg, true;
     case 'o':
         return o->study.jobs.output = optarg, true;
-    case 's':
-        return scene_set(&o->scene, optarg);
     case 'P':
         return scene_plugin(&o->scene, optarg) && scene_plugin(&o->study.jobs.scene, optarg);
-    case 'A':
-        return scene_allow_plugins();
     case 'q':
         return o->study.jobs.quiet = true;
     default:
-        return false;
+        return scene_accept_option(&o->scene, option);
     }
 }
 

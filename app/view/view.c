@@ -38,13 +38,9 @@ static bool parse_port(struct view_options *o, const char *text) {
 
 static bool accept_option(void *self, int option) {
     struct view_options *o = self;
-    if (option == 'n') o->server.open_browser = false;
+    if (option == 'n') return o->server.open_browser = false, true;
     if (option == 'p') return parse_port(o, optarg);
-    if (option == 't') return scene_threads(&o->scene, optarg);
-    if (option == 's') return scene_set(&o->scene, optarg);
-    if (option == 'P') return scene_plugin(&o->scene, optarg);
-    if (option == 'A') return scene_allow_plugins();
-    return option != '?';
+    return scene_accept_option(&o->scene, option);
 }
 
 static int view(const struct view_options *o) {
@@ -59,11 +55,11 @@ static int view(const struct view_options *o) {
 }
 
 int view_main(int argc, char **argv) {
-    static const struct option long_options[] = {
-        {"port", required_argument, NULL, 'p'},    {"no-browser", no_argument, NULL, 'n'},
-        {"threads", required_argument, NULL, 't'}, {"set", required_argument, NULL, 's'},
-        {"plugin", required_argument, NULL, 'P'},  {"allow-plugins", no_argument, NULL, 'A'},
-        {"help", no_argument, NULL, 'h'},          {0}};
+    static const struct option long_options[] = {{"port", required_argument, NULL, 'p'},
+                                                 {"no-browser", no_argument, NULL, 'n'},
+                                                 SCENE_OPTIONS,
+                                                 {"help", no_argument, NULL, 'h'},
+                                                 {0}};
     struct view_options o = {.server = {.open_browser = true}};
     int code = parse_options(argc, argv, "h", long_options, usage, accept_option, &o);
     if (code < 0 && argc - optind != 1) code = report_usage("view", "one scene file", usage);
