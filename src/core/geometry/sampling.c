@@ -22,8 +22,8 @@ pdyn_status sample_box_volume(pdyn_context *context, const struct box *box, doub
     return PDYN_OK;
 }
 
-pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_sphere *sphere,
-                                 double radius, struct point_list *out) {
+pdyn_status sample_sphere_volume(pdyn_context *context, const struct sphere *sphere, double radius,
+                                 struct point_list *out) {
     double reach = sphere->radius - radius, half = floor(reach / (2.0 * radius) + 1e-9);
     double side = 2.0 * half + 1.0;
     if (!(side * side * side < POINT_LIST_MAX)) return point_list_too_many(context);

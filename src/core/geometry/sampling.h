@@ -4,9 +4,14 @@
 
 #include "mesh.h"
 #include "point_list.h"
-#include "primitives.h"
+
+#include "projdyn/box.h"
 
 #include <math.h>
+
+struct sphere {
+    double center[3], radius; /* m */
+};
 
 /* Number of whole lattice cells along an edge, with a tolerance against rounding. */
 static inline double sample_cells(double edge, double spacing) {
@@ -20,8 +25,8 @@ pdyn_status sample_box_volume(pdyn_context *context, const struct box *box, doub
 
 /* Fills a sphere with a cubic lattice of particles of this radius, m, that are entirely inside; one
  * particle is at the centre. Appends to `out`. */
-pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_sphere *sphere,
-                                 double radius, struct point_list *out);
+pdyn_status sample_sphere_volume(pdyn_context *context, const struct sphere *sphere, double radius,
+                                 struct point_list *out);
 
 /* Fills a mesh that passed mesh_check_closed with a cubic lattice of particles of this radius, m,
  * that are entirely inside. The lattice is centred in the bounding box. A point is inside if a ray

@@ -91,7 +91,7 @@ static pdyn_status count_added(const struct json_at *at, struct fill *fill, int 
 
 static pdyn_status fill_sphere(const struct json_at *at, struct fill *fill) {
     struct point_list *start = &fill->body->start;
-    struct scene_sphere sphere;
+    struct sphere sphere;
     int before = start->count;
     pdyn_status status = params_sphere(at, &sphere);
     if (status == PDYN_OK)

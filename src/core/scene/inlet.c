@@ -112,7 +112,7 @@ static pdyn_status read_rectangle(const struct json_at *at, struct opening *o) {
 /* Appends the lattice points inside a disc; one is at its centre. Their number corresponds to the
  * area of the disc. */
 static pdyn_status read_disc(const struct json_at *at, struct opening *o) {
-    struct scene_sphere disc;
+    struct sphere disc;
     pdyn_status status = params_sphere(at, &disc);
     if (status != PDYN_OK) return status;
     double reach = disc.radius / o->spacing * (1.0 + 1e-12) + 1e-9, n = floor(reach);

@@ -2,6 +2,7 @@
 #include "params.h"
 
 #include "base/text.h"
+#include "geometry/sampling.h"
 #include "keyed.h"
 #include "table.h"
 #include "vertex_selection.h"
@@ -154,12 +155,11 @@ pdyn_status params_box(const struct json_at *at, struct box *box) {
     return status;
 }
 
-pdyn_status params_sphere(const struct json_at *at, struct scene_sphere *sphere) {
-    static const pdyn_param table[] = {{"center", PDYN_VECTOR,
-                                        offsetof(struct scene_sphere, center), true, 0,
-                                        -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", ""},
-                                       {"radius", PDYN_REAL, offsetof(struct scene_sphere, radius),
-                                        true, 0, 0, SCENE_MAX_POSITION, "m", ""},
+pdyn_status params_sphere(const struct json_at *at, struct sphere *sphere) {
+    static const pdyn_param table[] = {{"center", PDYN_VECTOR, offsetof(struct sphere, center),
+                                        true, 0, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", ""},
+                                       {"radius", PDYN_REAL, offsetof(struct sphere, radius), true,
+                                        0, 0, SCENE_MAX_POSITION, "m", ""},
                                        {0}};
     return params_read_object(at, table, sphere);
 }

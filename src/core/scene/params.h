@@ -7,6 +7,8 @@
 #include "json_file.h"
 #include "scene.h"
 
+struct sphere;
+
 /* Checks that `object` is an object and each key is in `table` (NULL: no table) or in `others`,
  * which ends with NULL. */
 pdyn_status params_check_keys(const struct json_at *object, const pdyn_param *table,
@@ -40,6 +42,6 @@ pdyn_status params_reals(const struct json_at *at, int count, double min, double
 /* Reads {"minimum": [..], "maximum": [..]}, m, with minimum < maximum along every axis. */
 pdyn_status params_box(const struct json_at *at, struct box *box);
 /* Reads {"center": [..], "radius": r}, m. */
-pdyn_status params_sphere(const struct json_at *at, struct scene_sphere *sphere);
+pdyn_status params_sphere(const struct json_at *at, struct sphere *sphere);
 
 #endif

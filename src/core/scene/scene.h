@@ -6,8 +6,8 @@
 #include "base/context.h"
 #include "geometry/mesh.h"
 #include "geometry/point_list.h"
-#include "geometry/primitives.h"
 #include "geometry/tets.h"
+#include "projdyn/box.h"
 #include "projdyn/module.h"
 #include "sources.h"
 

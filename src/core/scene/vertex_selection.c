@@ -1,6 +1,7 @@
 /* Reading a selection of vertices. */
 #include "vertex_selection.h"
 
+#include "geometry/sampling.h"
 #include "params.h"
 
 #include "projdyn/vec3.h"
@@ -53,7 +54,7 @@ static pdyn_status select_box(const struct json_at *at, struct selection *c) {
 }
 
 static pdyn_status select_sphere(const struct json_at *at, struct selection *c) {
-    struct scene_sphere sphere;
+    struct sphere sphere;
     pdyn_status status = params_sphere(at, &sphere);
     for (int v = 0; v < c->surface->vertices && status == PDYN_OK; v++)
         c->selected[v] |= vec3_distance(c->surface->vertex + 3 * v, sphere.center) <= sphere.radius;
