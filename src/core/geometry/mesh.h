@@ -100,6 +100,8 @@ struct mesh_turned {
 };
 pdyn_status mesh_orient_pieces(pdyn_context *context, struct mesh *mesh,
                                struct mesh_turned *turned);
+/* Turns all triangles. */
+void mesh_turn(struct mesh *mesh);
 
 /* Volume, m^3, centre, m, and second moments about the centre over the volume, m^2 (symmetric, row
  * by row), of the inside of a closed mesh whose triangles are oriented; the volume is negative

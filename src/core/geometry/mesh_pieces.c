@@ -74,6 +74,10 @@ static void turn(struct mesh *mesh, int t) {
     corner[1] = corner[2], corner[2] = second;
 }
 
+void mesh_turn(struct mesh *mesh) {
+    for (int t = 0; t < mesh->triangles; t++) turn(mesh, t);
+}
+
 /* Numbers a piece and turns the smaller part of its triangles, so that all face the same way. */
 static void orient_piece(struct pieces *p, const struct topology *topology, int first,
                          struct mesh_turned *turned) {

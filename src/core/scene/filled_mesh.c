@@ -6,16 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Turns all triangles of a mesh of negative volume; returns its volume, m^3. */
-static double face_outwards(struct mesh *mesh) {
-    double volume = mesh_volume(mesh->triangles, mesh->triangle, mesh->vertex);
-    for (int t = 0; t < mesh->triangles && volume < 0.0; t++) {
-        int *corner = mesh->triangle + 3 * (size_t)t, first = corner[0];
-        corner[0] = corner[1], corner[1] = first;
-    }
-    return fabs(volume);
-}
-
 /* Fills the closed mesh body->skin, in its place, and says how well the tetrahedra fit. */
 static pdyn_status fill(pdyn_context *context, double cell, struct scene_body *body) {
     struct mesh *surface = &body->skin;
@@ -28,7 +18,9 @@ static pdyn_status fill(pdyn_context *context, double cell, struct scene_body *b
     if (status == PDYN_OK) status = tets_finish(context, "filled", &body->mesh, &body->tets);
     if (status != PDYN_OK) return status;
     for (int t = 0; t < body->tets.count; t++) filled += body->tets.volume[t];
-    body->filled = filled / face_outwards(surface);
+    double volume = mesh_volume(surface->triangles, surface->triangle, surface->vertex);
+    if (volume < 0.0) mesh_turn(surface);
+    body->filled = filled / fabs(volume);
     return tets_count_small(context, &body->mesh, &body->tets, 8.0 * cell * cell * cell,
                             &body->crumbs);
 }

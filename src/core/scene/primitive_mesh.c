@@ -160,10 +160,12 @@ pdyn_status primitive_read_capsule(const struct json_at *at, double bump, struct
     return primitive_capsule(at->file->context, shape.from, shape.to, shape.radius, bump, mesh);
 }
 
-pdyn_status primitive_read_plane(const struct json_at *at, struct mesh *mesh, double middle[3]) {
+pdyn_status primitive_read_plane(const struct json_at *at, double bump, struct mesh *mesh,
+                                 double middle[3]) {
     static const pdyn_param table[] = {VECTOR(center, 1e6), VECTOR(normal, 1e6), LENGTH(size), {0}};
     struct json_at normal = json_member(at, "normal");
     struct shape shape;
+    (void)bump;
     pdyn_status status = params_read_object(at, table, &shape);
     if (status != PDYN_OK) return status;
     if (!(vec3_length(shape.normal) > 1e-12))

@@ -21,10 +21,8 @@ pdyn_status primitive_box(pdyn_context *context, const struct box *box, unsigned
 
 /* Read {"center": [..], "radius": r}, {"from": [..], "to": [..], "radius": r} and
  * {"center": [..], "normal": [..], "size": s}. middle: the centre, m. */
-pdyn_status primitive_read_sphere(const struct json_at *at, double bump, struct mesh *mesh,
-                                  double middle[3]);
-pdyn_status primitive_read_capsule(const struct json_at *at, double bump, struct mesh *mesh,
-                                   double middle[3]);
-pdyn_status primitive_read_plane(const struct json_at *at, struct mesh *mesh, double middle[3]);
+typedef pdyn_status primitive_read_fn(const struct json_at *at, double bump, struct mesh *mesh,
+                                      double middle[3]);
+primitive_read_fn primitive_read_sphere, primitive_read_capsule, primitive_read_plane;
 
 #endif

@@ -15,33 +15,18 @@
 
 /* ---- shape ----------------------------------------------------------------------------------- */
 
-static pdyn_status read_mesh(const struct json_at *at, double bump, struct scene_body *body) {
-    (void)bump;
-    return file_ref_mesh(at, &body->mesh, &body->obj);
-}
-
-static pdyn_status read_box(const struct json_at *at, double bump, struct scene_body *body) {
+static pdyn_status read_box(const struct json_at *at, double bump, struct mesh *mesh,
+                            double middle[3]) {
     struct box box;
-    (void)bump;
+    (void)bump, (void)middle;
     pdyn_status status = params_box(at, &box);
-    return status == PDYN_OK ? primitive_box(at->file->context, &box, 0, &body->mesh) : status;
-}
-
-static pdyn_status read_sphere(const struct json_at *at, double bump, struct scene_body *body) {
-    double middle[3];
-    return primitive_read_sphere(at, bump, &body->mesh, middle);
-}
-
-static pdyn_status read_capsule(const struct json_at *at, double bump, struct scene_body *body) {
-    double middle[3];
-    return primitive_read_capsule(at, bump, &body->mesh, middle);
+    return status == PDYN_OK ? primitive_box(at->file->context, &box, 0, mesh) : status;
 }
 
 enum { MESH, SHAPES = 4 };
 static const char *const shapes[SHAPES] = {"mesh", "box", "sphere", "capsule"};
-static pdyn_status (*const shape_readers[SHAPES])(const struct json_at *at, double bump,
-                                                  struct scene_body *body) = {
-    read_mesh, read_box, read_sphere, read_capsule};
+static primitive_read_fn *const primitives[SHAPES] = {NULL, read_box, primitive_read_sphere,
+                                                      primitive_read_capsule};
 
 /* Checks that edges have two triangles, and turns triangles and pieces to face the same way. */
 static pdyn_status check_surface(struct reader *r, const struct mesh *mesh) {
@@ -67,7 +52,10 @@ static pdyn_status place_shape(struct reader *r, const struct json_at *at, int s
                                const struct transform *transform) {
     struct mesh *mesh = &r->body->mesh;
     double larger = fmax(fmax(transform->scale[0], transform->scale[1]), transform->scale[2]);
-    pdyn_status status = shape_readers[shape](at, reader_bump(r) / larger, r->body);
+    double unused[3];
+    pdyn_status status = shape == MESH
+                             ? file_ref_mesh(at, mesh, &r->body->obj)
+                             : primitives[shape](at, reader_bump(r) / larger, mesh, unused);
     if (status == PDYN_OK) transform_points(transform, mesh->vertex, mesh->vertices);
     return status;
 }
@@ -106,17 +94,9 @@ static void place_points(struct scene_body *body, const double second[9]) {
 /* Smallest extent of a body over its largest: its inertia tensor is known to six digits then. */
 static const double flattest = 1e-5;
 
-/* Turns all triangles of a mesh that face inwards: there its volume is negative. */
-static void face_outwards(struct mesh *mesh, double volume) {
-    for (int t = 0; volume < 0.0 && t < mesh->triangles; t++) {
-        int *corner = mesh->triangle + 3 * (size_t)t, second = corner[1];
-        corner[1] = corner[2], corner[2] = second;
-    }
-}
-
 static pdyn_status weigh(const struct json_at *at, struct scene_body *body) {
     double second[9], volume = mesh_moments(&body->mesh, body->centre, second);
-    face_outwards(&body->mesh, volume);
+    if (volume < 0.0) mesh_turn(&body->mesh);
     volume = fabs(volume);
     if (!(volume > 0.0)) return json_fail(at, "the mesh encloses no volume");
     const svd3 axes = svd3_of(second);

@@ -51,29 +51,9 @@ static pdyn_status read_placed(struct reader *r, const struct json_at *owner,
     return json_wrap(mesh, mesh_check(r->context, &r->solid->mesh, "as placed"));
 }
 
-static pdyn_status read_sphere(struct reader *r, const struct json_at *owner,
-                               const struct json_at *sphere) {
-    (void)owner;
-    return primitive_read_sphere(sphere, reader_bump(r), &r->solid->mesh, r->solid->motion.pivot);
-}
-
-static pdyn_status read_capsule(struct reader *r, const struct json_at *owner,
-                                const struct json_at *capsule) {
-    (void)owner;
-    return primitive_read_capsule(capsule, reader_bump(r), &r->solid->mesh, r->solid->motion.pivot);
-}
-
-static pdyn_status read_plane(struct reader *r, const struct json_at *owner,
-                              const struct json_at *plane) {
-    (void)owner;
-    return primitive_read_plane(plane, &r->solid->mesh, r->solid->motion.pivot);
-}
-
 const char *const scene_solid_kinds[SOLID_KINDS] = {"box", "mesh", "sphere", "capsule", "plane"};
-static pdyn_status (*const shape_readers[SOLID_KINDS])(struct reader *r,
-                                                       const struct json_at *owner,
-                                                       const struct json_at *shape) = {
-    read_walls, read_placed, read_sphere, read_capsule, read_plane};
+static primitive_read_fn *const primitives[SOLID_KINDS] = {
+    NULL, NULL, primitive_read_sphere, primitive_read_capsule, primitive_read_plane};
 
 static pdyn_status read_shape(struct reader *r, const struct json_at *owner) {
     struct json_at open = json_member(owner, "open");
@@ -86,7 +66,9 @@ static pdyn_status read_shape(struct reader *r, const struct json_at *owner) {
             owner, "a \"mesh\"; a \"motion\" with one key turns and moves other solids");
     if (status != PDYN_OK) return status;
     struct json_at shape = json_member(owner, scene_solid_kinds[*kind]);
-    return shape_readers[*kind](r, owner, &shape);
+    if (*kind == SOLID_BOX) return read_walls(r, owner, &shape);
+    if (*kind == SOLID_MESH) return read_placed(r, owner, &shape);
+    return primitives[*kind](&shape, reader_bump(r), &r->solid->mesh, r->solid->motion.pivot);
 }
 
 pdyn_status scene_read_solid(struct reader *r, const struct json_at *at, int index) {
