@@ -67,6 +67,8 @@ void trial_finish(struct trial *trial, struct check *check);
 double trial_dot(const double *a, const double *b, int n);
 double trial_norm(const double *a, int n);
 double trial_distance(const double *a, const double *b, int n);
+/* Whether a - b is more than this part of b, in the norm, or not finite. */
+bool trial_differ(const double *a, const double *b, int n, double tolerance);
 double trial_random(uint64_t *seed); /* in [-1, 1) */
 
 /* ---- the checks --------------------------------------------- */

@@ -12,10 +12,6 @@ static void clear(struct trial *t) {
     memset(t->y, 0, (size_t)t->n * sizeof *t->y), memset(t->z, 0, (size_t)t->n * sizeof *t->z);
 }
 
-static bool differ(const double *a, const double *b, int n, double tolerance) {
-    return !(trial_distance(a, b, n) <= tolerance * trial_norm(b, n));
-}
-
 /* ---- definitions ----------------------------------------------------------------------------- */
 
 /* Energy and gradient are those of stiffness/2 max(0, value)^2. multiplier: scratch. */
@@ -34,7 +30,7 @@ static void check_energy(struct check *check, struct trial *t, double *multiplie
               "the operator's energy is %.6g J, expected %.6g J, the sum of stiffness/2 max(0, "
               "value)^2",
               t->batch->energy, energy);
-    if (differ(t->y, t->z, t->n, 1e-9))
+    if (trial_differ(t->y, t->z, t->n, 1e-9))
         fault(check,
               "the operator's gradient is not the force of the multipliers stiffness x value");
 }
@@ -132,7 +128,7 @@ void check_model(struct check *check, struct trial *t) {
         batch_step_along(t->batch, 1.0, t->y);
         if (!(fabs(trial_dot(t->w, t->y, t->n) - (to - from)) <= 1e-9 * (fabs(from) + fabs(to))))
             fault(check, "the operator's rate and force do not belong to one gradient");
-        if (!changed && differ(t->y, t->z, t->n, 1e-6))
+        if (!changed && trial_differ(t->y, t->z, t->n, 1e-6))
             fault(check, "the operator's force along a direction is not its product");
         if ((changed == 0) != (scale < 0.5))
             fault(check, "%d of the operator's constraints change sides on a way of %.0g m",

@@ -11,10 +11,6 @@ static void clear(struct trial *t) {
     memset(t->db, 0, 2 * (size_t)t->n * sizeof *t->db);
 }
 
-static bool differ(const double *a, const double *b, int n, double tolerance) {
-    return !(trial_distance(a, b, n) <= tolerance * trial_norm(b, n));
-}
-
 /* Compares energy, gradient, product and block diagonal of two batches of the same constraint, at
  * eps = 0: for eps > 0, rows count listed pairs beyond the support, too, and operators do not. */
 static void compare(struct check *check, struct trial *t, struct batch *a, struct batch *b,
@@ -23,13 +19,13 @@ static void compare(struct check *check, struct trial *t, struct batch *a, struc
     batch_local(a, t->x, 0.0, t->y), batch_local(b, t->x, 0.0, t->z);
     if (!(fabs(a->energy - b->energy) <= 1e-10 * fabs(b->energy)))
         fault(check, "%s have different energies, %.10g and %.10g", what, a->energy, b->energy);
-    if (differ(t->y, t->z, t->n, 1e-10)) fault(check, "%s have different gradients", what);
+    if (trial_differ(t->y, t->z, t->n, 1e-10)) fault(check, "%s have different gradients", what);
     clear(t);
     if (batch_linearise(a, 0.0) != PDYN_OK || batch_linearise(b, 0.0) != PDYN_OK) return;
     batch_apply(a, t->u, t->y), batch_apply(b, t->u, t->z);
-    if (differ(t->y, t->z, t->n, 1e-9)) fault(check, "%s have different products H u", what);
+    if (trial_differ(t->y, t->z, t->n, 1e-9)) fault(check, "%s have different products H u", what);
     batch_diagonal(a, t->da), batch_diagonal(b, t->db);
-    if (differ(t->da, t->db, 2 * t->n, 1e-9))
+    if (trial_differ(t->da, t->db, 2 * t->n, 1e-9))
         fault(check, "%s have different block diagonals", what);
 }
 

@@ -44,6 +44,10 @@ double trial_distance(const double *a, const double *b, int n) {
     return sqrt(sum);
 }
 
+bool trial_differ(const double *a, const double *b, int n, double tolerance) {
+    return !(trial_distance(a, b, n) <= tolerance * trial_norm(b, n));
+}
+
 /* ---- the text of a scene -------------------------------------------------------------- */
 
 /* A required parameter gets 10 clamped to its bounds, others their default. */
