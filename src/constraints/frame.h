@@ -15,7 +15,6 @@ struct frame {
 };
 
 /* Triangle t of a surface. */
-
 struct frame frame_of(const pdyn_body *body, int t);
 
 #endif

@@ -100,35 +100,28 @@ static void measure_body(const struct pdyn_sim *sim, const struct probe_place *p
 struct quantity {
     const char *name, *unit;
 };
-enum { QUANTITIES = 6 };
-#define FLUID                                                                                      \
-    {                                                                                              \
-        {"pressure", "Pa"}, {"velocity_x", "m_s"}, {"velocity_y", "m_s"}, { "velocity_z", "m_s" }  \
-    }
-#define LOAD                                                                                       \
-    {                                                                                              \
-        {"force_x", "N"}, {"force_y", "N"}, {"force_z", "N"}, {"moment_x", "Nm"},                  \
-            {"moment_y", "Nm"}, {                                                                  \
-            "moment_z", "Nm"                                                                       \
-        }                                                                                          \
-    }
+static const struct quantity fluid[FLUID_VALUES] = {
+    {"pressure", "Pa"}, {"velocity_x", "m_s"}, {"velocity_y", "m_s"}, {"velocity_z", "m_s"}};
+static const struct quantity load[] = {{"force_x", "N"},   {"force_y", "N"},   {"force_z", "N"},
+                                       {"moment_x", "Nm"}, {"moment_y", "Nm"}, {"moment_z", "Nm"}};
+static const struct quantity water[] = {
+    {"volume", "m3"}, {"velocity_x", "m_s"}, {"velocity_y", "m_s"}, {"velocity_z", "m_s"}};
+static const struct quantity filling[] = {{"volume", "m3"}, {"overpressure", "Pa"}};
+
 static const struct {
-    int count; /* quantities, of every point */
     measure_fn *measure;
-    struct quantity quantity[QUANTITIES];
+    int count; /* quantities, of every point */
+    const struct quantity *quantity;
 } kinds[PROBE_KINDS] = {
-    [PROBE_POINT] = {FLUID_VALUES, measure_points, FLUID},
-    [PROBE_LINE] = {FLUID_VALUES, measure_points, FLUID},
-    [PROBE_WALL] = {1, measure_wall, {{"pressure", "Pa"}}},
-    [PROBE_HEIGHT] = {1, measure_height, {{"height", "m"}}},
-    [PROBE_BOX] =
-        {4,
-         measure_box,
-         {{"volume", "m3"}, {"velocity_x", "m_s"}, {"velocity_y", "m_s"}, {"velocity_z", "m_s"}}},
-    [PROBE_SOLID] = {6, measure_solid, LOAD},
-    [PROBE_PINS] = {6, measure_pins, LOAD},
-    [PROBE_INSIDE] = {2, measure_inside, {{"volume", "m3"}, {"overpressure", "Pa"}}},
-    [PROBE_BODY] = {6, measure_body, LOAD},
+    [PROBE_POINT] = {measure_points, FLUID_VALUES, fluid},
+    [PROBE_LINE] = {measure_points, FLUID_VALUES, fluid},
+    [PROBE_WALL] = {measure_wall, 1, fluid}, /* the pressure */
+    [PROBE_HEIGHT] = {measure_height, 1, &(const struct quantity){"height", "m"}},
+    [PROBE_BOX] = {measure_box, 4, water},
+    [PROBE_SOLID] = {measure_solid, 6, load},
+    [PROBE_PINS] = {measure_pins, 6, load},
+    [PROBE_INSIDE] = {measure_inside, 2, filling},
+    [PROBE_BODY] = {measure_body, 6, load},
 };
 
 /* ---- memory ---------------------------------------------------------------------------------- */
