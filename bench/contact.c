@@ -2,6 +2,7 @@
  * Prints a row of CSV: vertices, steps, frames, intersections, mean elements in contact, mean outer
  * iterations, mean and largest step residual, ms per step of contact and of everything else,
  * largest displacement of a vertex in the second half, mm. */
+#include "contact/contact.h"
 #include "../tests/intersect.h"
 
 #include "projdyn/vec3.h"

@@ -2,8 +2,8 @@
 #include "objective.h"
 
 #include "base/clock.h"
+#include "contact/contact.h"
 #include "projdyn/simd.h"
-#include "projdyn/vec3.h"
 #include "residual.h"
 
 #include <math.h>

@@ -8,13 +8,14 @@
 #ifndef PDYN_OBJECTIVE_H
 #define PDYN_OBJECTIVE_H
 
-#include "contact/contact.h"
 #include "contact/wet_sides.h"
 #include "rows/batch.h"
 #include "rows/rigid_matrix.h"
 #include "sph/neighbours.h"
 
 #include <stdint.h>
+
+struct contact;
 
 enum { PARTICLE_GRAIN = 2048 }; /* particles per parallel block of vector operations */
 

@@ -1,6 +1,7 @@
 /* Saved states: everything on which the next step of a simulation depends. */
 #include "snapshot.h"
 
+#include "contact/contact.h"
 #include "scene/fingerprint.h"
 #include "step/crossings.h"
 #include "step/forces.h"

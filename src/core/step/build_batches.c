@@ -2,6 +2,7 @@
  * do to each other beside pressure, and contact. */
 #include "base/registry.h"
 #include "build.h"
+#include "contact/contact.h"
 #include "sim.h"
 
 static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_body *body,

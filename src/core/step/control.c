@@ -1,5 +1,6 @@
 #include "control.h"
 
+#include "contact/contact.h"
 #include "crossings.h"
 #include "extent.h"
 #include "forces.h"

@@ -2,6 +2,7 @@
  * and steps longer than the direction. */
 #include "line_search.h"
 
+#include "contact/contact.h"
 #include "iterate.h"
 
 #include <math.h>

@@ -3,6 +3,7 @@
  * Dynamics. */
 #include "minimise.h"
 
+#include "contact/contact.h"
 #include "global_step.h"
 #include "iterate.h"
 #include "line_search.h"

@@ -3,6 +3,7 @@
 #include "start_point.h"
 
 #include "carried.h"
+#include "contact/contact.h"
 #include "iterate.h"
 #include "live_particles.h"
 

@@ -13,6 +13,7 @@
 #include "base/clock.h"
 #include "base/sized.h"
 #include "carried.h"
+#include "contact/contact.h"
 #include "crossings.h"
 #include "forces.h"
 #include "live_particles.h"
