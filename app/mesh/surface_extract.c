@@ -8,7 +8,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { SIDE = BLOCK + 1, CORNERS = SIDE * SIDE * SIDE, GRAIN = 64, EDGE_WORDS = 3 };
 

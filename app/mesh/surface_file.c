@@ -4,7 +4,6 @@
 #include "app.h"
 #include "new_file.h"
 
-#include <errno.h>
 #include <stdint.h>
 #include <string.h>
 

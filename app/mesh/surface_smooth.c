@@ -1,10 +1,8 @@
 /* Smoothing of a surface. */
 #include "app.h"
 #include "parallel.h"
-#include "projdyn/vec3.h"
 #include "surface.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -8,7 +8,6 @@
 #include "temporary_folder.h"
 #include "water_surface.h"
 
-#include <errno.h>
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>

@@ -2,7 +2,6 @@
 #include "live.h"
 #include "first_page.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,7 +3,6 @@
 #include "conformance.h"
 #include "dense.h"
 
-#include <math.h>
 #include <string.h>
 
 static bool fits(const pdyn_global_solver *solver, struct trial *t) {

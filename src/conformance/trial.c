@@ -3,7 +3,6 @@
 #include "conformance.h"
 
 #include "base/text.h"
-#include "step/parameters.h"
 
 #include "projdyn/control.h"
 

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { SMOOTHING_SWEEPS = 50 }; /* of the ordering of nodes */
 

@@ -6,8 +6,6 @@
 
 #include "projdyn/vec3.h"
 
-#include <string.h>
-
 /* Rounds, after which a pair that is still blocked is shortened so far that it cannot collide. */
 enum { ROUNDS = 32 };
 

@@ -3,7 +3,7 @@
 #include "projdyn/kernel.h"
 #include "projdyn/vec3.h"
 #include "scene/scene.h"
-#include "sph/neighbours.h"
+#include "sph/surface_samples.h"
 
 #include <string.h>
 

@@ -3,8 +3,6 @@
 
 #include "base/registry.h"
 
-#include <string.h>
-
 /* ---- setting up ------------------------------------------------------------------------------ */
 
 /* Counts rows and entries of every element. */

@@ -13,7 +13,6 @@
 #include "params.h"
 #include "reader.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- references to other bodies -------------------------------------------------------------- */

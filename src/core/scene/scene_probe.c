@@ -5,8 +5,6 @@
 #include "projdyn/probe.h"
 #include "projdyn/vec3.h"
 
-#include <string.h>
-
 enum { MAX_POINTS = 1000 }; /* of a line */
 
 const pdyn_param scene_probe_params[] = {

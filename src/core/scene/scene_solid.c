@@ -6,9 +6,6 @@
 #include "reader.h"
 #include "transform.h"
 
-#include "projdyn/vec3.h"
-
-#include <math.h>
 #include <string.h>
 
 /* ---- shape ----------------------------------------------------------------------------------- */

@@ -8,7 +8,6 @@
 #include "table_file.h"
 
 #include <limits.h>
-#include <string.h>
 
 enum { WHAT = 256 };
 

@@ -4,7 +4,6 @@
 #include "base/file_in.h"
 #include "base/text.h"
 #include "geometry/mesh_file.h"
-#include "params.h"
 #include "table.h"
 
 #include <limits.h>

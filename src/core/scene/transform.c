@@ -5,8 +5,6 @@
 
 #include "projdyn/vec3.h"
 
-#include <string.h>
-
 static const pdyn_param transform_params[] = {
     {"rotate", PDYN_VECTOR, offsetof(struct transform, rotate), false, 0, -1e6, 1e6, "degrees", ""},
     {"translate", PDYN_VECTOR, offsetof(struct transform, translate), false, 0, -1e6, 1e6, "m", ""},

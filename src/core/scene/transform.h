@@ -2,7 +2,6 @@
 #ifndef PDYN_TRANSFORM_H
 #define PDYN_TRANSFORM_H
 
-#include "geometry/mesh.h"
 #include "json_file.h"
 
 struct transform {

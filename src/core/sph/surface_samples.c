@@ -2,7 +2,6 @@
 #include "surface_samples.h"
 
 #include "geometry/sampling.h"
-#include "neighbours.h"
 
 #include "projdyn/simd.h"
 #include "projdyn/vec3.h"

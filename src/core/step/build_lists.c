@@ -8,7 +8,6 @@
 #include "warn.h"
 
 #include "projdyn/kernel.h"
-#include "projdyn/vec3.h"
 
 /* Skin of the lists, in particle spacings: lists have 1.7 times the pairs of the cubic spline and
  * are rebuilt less often. */

@@ -7,7 +7,6 @@
 #include "schedule.h"
 #include "sim.h"
 
-#include "projdyn/path.h"
 #include "projdyn/vec3.h"
 
 #include <stdio.h>

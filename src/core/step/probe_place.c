@@ -1,6 +1,5 @@
 #include "probe_place.h"
 
-#include "rigid_bodies.h"
 #include "scene/poses.h"
 #include "sim.h"
 

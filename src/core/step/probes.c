@@ -11,7 +11,6 @@
 #include "projdyn/vec3.h"
 
 #include <stdio.h>
-#include <string.h>
 
 /* ---- what probes measure --------------------------------------------------------------------- */
 

@@ -3,7 +3,6 @@
 #include "base/sized.h"
 #include "base/snapshot_file.h"
 #include "live_particles.h"
-#include "parameters.h"
 
 double pdyn_time(const pdyn_sim *sim) { return sim ? sim->time : 0.0; }
 double pdyn_duration(const pdyn_sim *sim) { return sim ? sim->scene.settings.duration : 0.0; }

@@ -8,7 +8,6 @@
 #include "projdyn/kernel.h"
 #include "projdyn/vec3.h"
 
-#include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
