@@ -75,7 +75,7 @@ INLINE void add_neighbours(struct fluid *f, const v4 *at, int first, int last, d
 INLINE double store_constraint(struct fluid *f, int i, const struct sum *sum) {
     v4 gradient = {sum->gradient[0], sum->gradient[1], sum->gradient[2], 0.0};
     memcpy(f->gradient + 4 * i, &gradient, sizeof gradient);
-    f->value[i] = sum->c - f->part * f->compressed[i], f->squares[i] = sum->squares;
+    f->value[i] = sum->c - f->part * f->value_before[i], f->squares[i] = sum->squares;
     if (f->stiffness[i] == 0.0) f->stiffness[i] = fluid_stiffness_at(f, sum->squares);
     f->flux[i] = f->value[i] > 0.0 ? f->stiffness[i] * f->value[i] : 0.0;
     return 0.5 * f->flux[i] * f->value[i];

@@ -20,8 +20,8 @@ static bool resize_particles(struct fluid *f, bool allocate) {
         {(void **)&f->vector, 4 * particles, sizeof(double)},
         {(void **)&f->growth, 9 * samples, sizeof(double)},
         {(void **)&f->tension, samples, sizeof(double)},
-        {(void **)&f->compressed, particles, sizeof(double)},
-        {(void **)&f->measured, particles, sizeof(double)},
+        {(void **)&f->value_before, particles, sizeof(double)},
+        {(void **)&f->squares_before, particles, sizeof(double)},
         {(void **)&f->value, particles, sizeof(double)},
         {(void **)&f->squares, particles, sizeof(double)},
         {(void **)&f->stiffness, particles, sizeof(double)},
@@ -108,7 +108,7 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
         f->particles = lists->particles, f->points = lists->points;
         f->samples = lists->samples;
         if (!resize_particles(f, true)) return false;
-        for (int i = 0; i < f->particles; i++) f->compressed[i] = -1.0;
+        for (int i = 0; i < f->particles; i++) f->value_before[i] = -1.0;
     }
     if (f->volume_revision != lists->volume_revision) set_points(f);
     size_t pairs = place_blocks(f);
@@ -130,14 +130,14 @@ static void begin_range(void *arg, int first, int last, int block) {
     (void)block;
     struct fluid *f = ((const struct fluid_call *)arg)->f;
     for (int i = first; i < last; i++)
-        f->stiffness[i] = f->factor * fluid_stiffness_at(f, f->measured[i]);
+        f->stiffness[i] = f->factor * fluid_stiffness_at(f, f->squares_before[i]);
 }
 
 /* In the first step nothing is known of the step before: k_i is that of the first iterate, and
  * nothing is damped. */
 static void begin(void *self, double h) {
     struct fluid *f = self;
-    bool known = f->count && f->compressed[f->first] >= 0.0;
+    bool known = f->count && f->value_before[f->first] >= 0.0;
     double damping = known ? f->params.damping : 0.0;
     f->factor = 1.0 + damping / h, f->part = damping / (h + damping);
     if (known) for_particles(f, f->particles, begin_range, NULL, NULL);
@@ -164,7 +164,7 @@ static pdyn_one_sided one_sided(void *self) {
 
 /* C_i */
 static double compression(const struct fluid *f, int i) {
-    return f->value[i] + f->part * f->compressed[i];
+    return f->value[i] + f->part * f->value_before[i];
 }
 
 static double stored(const void *self, int i) {
@@ -191,8 +191,8 @@ static void end_step(void *arg, int first, int last, int block) {
     struct fluid *f = ((const struct fluid_call *)arg)->f;
     for (int i = first; i < last; i++) {
         f->value[i] = compression(f, i);
-        f->compressed[i] = fmax(0.0, f->value[i]);
-        f->measured[i] = f->squares[i];
+        f->value_before[i] = fmax(0.0, f->value[i]);
+        f->squares_before[i] = f->squares[i];
     }
 }
 
@@ -205,16 +205,16 @@ static void accept(void *self) {
 /* False for NaN. */
 static bool in_range(double number) { return number >= 0.0 && number < 1e100; }
 
-/* compressed is -1 before the first step. */
+/* value_before is -1 before the first step. */
 static pdyn_status persist(void *self, pdyn_snapshot *snapshot) {
     struct fluid *f = self;
     size_t bytes = (size_t)f->count * sizeof(double);
     bool valid = true;
-    snapshot->bytes(snapshot, f->compressed + f->first, bytes);
-    snapshot->bytes(snapshot, f->measured + f->first, bytes);
+    snapshot->bytes(snapshot, f->value_before + f->first, bytes);
+    snapshot->bytes(snapshot, f->squares_before + f->first, bytes);
     for (int i = f->first; i < f->first + f->count; i++) {
-        valid &= f->compressed[i] == -1.0 || in_range(f->compressed[i]);
-        valid &= in_range(f->measured[i]);
+        valid &= f->value_before[i] == -1.0 || in_range(f->value_before[i]);
+        valid &= in_range(f->squares_before[i]);
     }
     return valid || !snapshot->reading
                ? PDYN_OK

@@ -38,16 +38,17 @@ struct fluid {
                                    sample of the pair, 1 between fluid particles; then W */
     double *x;                  /* points x 4: positions of the last local step, relative volume */
     double *gradient;           /* particles x 4: grad C_i with respect to x_i, 1/m, and 0 */
-    double *vector;     /* particles x 4: input of a pass; of a sample then minus the rate of its
-                           relative volume */
-    double *growth;     /* samples x 9: gradient of the relative volume of a sample with respect to
-                           the corners of its triangle, 1/m */
-    double *tension;    /* samples: sum of flux times W over the pairs of a sample, N m */
-    double *compressed; /* particles: max(0, C_i) at the end of the step before; -1: not known */
-    double *measured;   /* particles: |grad C_i|^2 at the end of the step before */
-    double *value;      /* particles: C_i - part compressed_i (fluid_local.c) */
-    double *squares;    /* particles: |grad C_i|^2, 1/m^2 */
-    double *stiffness;  /* particles: factor k_i (fluid.h) of `measured`, N m; 0: not known */
+    double *vector;  /* particles x 4: input of a pass; of a sample then minus the rate of its
+                        relative volume */
+    double *growth;  /* samples x 9: gradient of the relative volume of a sample with respect to
+                        the corners of its triangle, 1/m */
+    double *tension; /* samples: sum of flux times W over the pairs of a sample, N m */
+    double *value_before;   /* particles: C^n = max(0, C_i) at the end of the step before; -1: not
+                               known */
+    double *squares_before; /* particles: |grad C_i|^2 at the end of the step before */
+    double *value;          /* particles: C_i - part C^n_i (fluid_local.c) */
+    double *squares;        /* particles: |grad C_i|^2, 1/m^2 */
+    double *stiffness;  /* particles: factor k_i (fluid.h) of squares_before, N m; 0: not known */
     double *flux;       /* particles: stiffness_i max(0, value_i), N m */
     double *weight_sum; /* particles: sum of the weights of its constraints, N/m */
     double *multiplier; /* particles: multipliers of `force`; 0 for other particles than fluid */
