@@ -91,7 +91,8 @@ void energy_budget_free(struct pdyn_sim *sim) {
     FREE_ARRAY(sim->context, sim->energy.block, blocks(sim));
 }
 
-/* Energy of linear constraints and of contact, which the scene may have on purpose. */
+/* Energy of the constraints on cloth and solids, and of contact, which the scene may have on
+ * purpose. */
 static double elastic_energy(const struct pdyn_sim *sim) {
     const struct batch *barrier = sim->objective.barrier;
     double sum = barrier ? barrier->energy : 0.0;
@@ -107,7 +108,7 @@ static double fluid_energy(const struct pdyn_sim *sim) {
     return sum;
 }
 
-/* The energies at the start. Of the fluid's at the start of a run, only the part of a normal
+/* The energies at the start. Of that of fluids at the start of a run, only the part of a normal
  * density error counts. After a pin has let go, velocities of bdf2 follow for some steps: a window
  * passes before the total energy is compared. */
 static void measure_start(struct pdyn_sim *sim) {

@@ -3,11 +3,11 @@
  *
  *     kinetic <= 2 (kinetic + stored at the start + M g (highest - lowest height) + drive)
  *
- * stored: the largest energy of the linear constraints and of contact so far, and that of the fluid
- * at the start, as far as it belongs to a density error of 2 %. drive: what inlets and moving
- * solids can give. The factor 2 covers that velocities are measured from displacements. A scene
- * with another source of energy (wind, moving pins, elements that come and go) has no such bound
- * before the last of them has ended ("until"); "start" is then that time. */
+ * stored: the largest energy so far of the constraints on cloth and solids (those with rows) and of
+ * contact, and that of fluids at the start, as far as it belongs to a density error of 2 %. drive:
+ * what inlets and moving solids can give. The factor 2 covers that velocities are measured from
+ * displacements. A scene with another source of energy (wind, moving pins, elements that come and
+ * go) has no such bound before the last of them has ended ("until"); "start" is then that time. */
 #ifndef PDYN_ENERGY_BUDGET_H
 #define PDYN_ENERGY_BUDGET_H
 
@@ -24,7 +24,7 @@ struct energy_budget {
     bool opened;          /* the first bounded step has begun: the numbers below are known */
     double mass;          /* kg, of everything */
     double start;         /* J: kinetic energy and energy of the fluid at the start, and drive */
-    double stored;        /* J: energy of linear constraints and contact, largest so far */
+    double stored;        /* J: energy of constraints with rows and of contact, largest so far */
     double potential;     /* J, at the start */
     double constraints;   /* J: energy of all constraints at the start of the run; 0: not bounded */
     double density_error; /* mean, at the start */
@@ -36,7 +36,7 @@ struct energy_budget {
     double window_steps;  /* of the present window so far */
     double scale;         /* J: largest kinetic or stored energy, or change of potential energy */
     double top, lowest;   /* m, heights at the end of the current attempt */
-    double elastic;       /* J: energy of linear constraints and contact at that end */
+    double elastic;       /* J: energy of constraints with rows and of contact at that end */
     struct energy_block *block; /* partial results of the current attempt */
 };
 
