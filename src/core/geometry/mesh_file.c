@@ -1,103 +1,19 @@
-/* Reading mesh and particle files: words, growing arrays, errors with file and line. */
+/* Reading mesh and particle files: formats by the ending of the name, growing arrays. */
 #include "mesh_file.h"
 
-#include "base/file_in.h"
 #include "base/text.h"
 #include "projdyn/vec3.h"
 
-#include <ctype.h>
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-
-/* ---- words and errors ------------------------------------------------------------------------ */
-
-bool mesh_file_at_end(const struct mesh_file *file) { return file->at == file->data + file->size; }
-
-struct mesh_word mesh_file_word(struct mesh_file *file) {
-    while (*file->at != '\n' && isspace((unsigned char)*file->at)) file->at++;
-    const char *start = file->at;
-    while (!mesh_file_at_end(file) && !isspace((unsigned char)*file->at)) file->at++;
-    file->last = start;
-    return (struct mesh_word){start, (size_t)(file->at - start)};
-}
-
-void mesh_file_next_line(struct mesh_file *file) {
-    const char *end = file->data + file->size;
-    const char *newline = memchr(file->at, '\n', (size_t)(end - file->at));
-    file->at = newline ? newline + 1 : end;
-    file->line += newline != NULL;
-}
-
-void mesh_file_skip_blank(struct mesh_file *file) {
-    struct mesh_word word;
-    while (!(word = mesh_file_word(file)).length && !mesh_file_at_end(file))
-        mesh_file_next_line(file);
-    file->at = word.text;
-}
-
-bool mesh_word_is(struct mesh_word word, const char *text) {
-    return word.length == strlen(text) && !memcmp(word.text, text, word.length);
-}
-
-bool mesh_word_number(struct mesh_word word, double *value) {
-    if (!word.length) return false;
-    char *end;
-    *value = strtod(word.text, &end);
-    return end == word.text + word.length;
-}
-
-uint64_t mesh_bits(const char *at, size_t size, bool big) {
-    uint64_t bits = 0;
-    for (size_t k = 0; k < size; k++) bits = bits << 8 | (unsigned char)at[big ? k : size - 1 - k];
-    return bits;
-}
-
-double mesh_from_float(uint64_t bits) {
-    uint32_t low = (uint32_t)bits;
-    float value;
-    memcpy(&value, &low, sizeof value);
-    return value;
-}
-
-double mesh_from_double(uint64_t bits) {
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
-pdyn_status mesh_file_fail(const struct mesh_file *file, const char *format, ...) {
-    char text[512];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    for (char *c = text; *c; c++)
-        if (!isprint((unsigned char)*c)) *c = '?';
-    if (file->binary)
-        return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: byte %td: %s", file->path,
-                            file->last - file->data, text);
-    return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s:%ld: %s", file->path, file->line,
-                        text);
-}
-
-pdyn_status mesh_file_expected(const struct mesh_file *file, const char *what,
-                               struct mesh_word found) {
-    if (found.length)
-        return mesh_file_fail(file, "expected %s, found '%.*s'", what,
-                              found.length < 40 ? (int)found.length : 40, found.text);
-    return mesh_file_fail(file, "expected %s, found the end of the %s", what,
-                          file->binary || mesh_file_at_end(file) ? "file" : "line");
-}
 
 /* ---- appending ------------------------------------------------------------------------------- */
 
 bool mesh_file_reserve(const struct mesh_file *file, struct mesh_array *array, size_t bytes) {
     if (bytes <= array->bytes) return true;
     size_t room = bytes > 2 * array->bytes ? bytes : 2 * array->bytes;
-    void *moved = context_resize(file->context, array->data, array->bytes, room);
-    if (!moved) return context_no_memory(file->context), false;
+    void *moved = context_resize(file->in.context, array->data, array->bytes, room);
+    if (!moved) return context_no_memory(file->in.context), false;
     *array = (struct mesh_array){moved, room};
     return true;
 }
@@ -112,10 +28,10 @@ static pdyn_status append_vector(struct mesh_file *file, const struct vector_kin
     size_t bytes = 3 * sizeof *x;
     for (int k = 0; k < 3; k++)
         if (!(fabs(x[k]) <= kind->max))
-            return mesh_file_fail(file, "%s %d: expected a finite %c of at most %g %s, found %g",
-                                  kind->name, *count + file->first_index, "xyz"[k], kind -> max,
-                                  kind -> unit, x[k]);
-    if (*count == MESH_MAX) return mesh_file_fail(file, "more than %d %s", MESH_MAX, kind->names);
+            return scan_fail(&file->in, "%s %d: expected a finite %c of at most %g %s, found %g",
+                             kind->name, *count + file->first_index, "xyz"[k], kind -> max,
+                             kind -> unit, x[k]);
+    if (*count == MESH_MAX) return scan_fail(&file->in, "more than %d %s", MESH_MAX, kind->names);
     if (!mesh_file_reserve(file, array, ((size_t)*count + 1) * bytes)) return PDYN_NO_MEMORY;
     memcpy((double *)array->data + 3 * (*count)++, x, bytes);
     return PDYN_OK;
@@ -135,7 +51,7 @@ void mesh_file_begin_face(struct mesh_file *file) { file->faces++, file->corners
 
 static pdyn_status add_triangle(struct mesh_file *file, int a, int b, int c) {
     if (file->triangles == MESH_MAX)
-        return mesh_file_fail(file, "more than %d triangles", MESH_MAX);
+        return scan_fail(&file->in, "more than %d triangles", MESH_MAX);
     size_t bytes = ((size_t)file->triangles + 1) * 3 * sizeof(int);
     if (!mesh_file_reserve(file, &file->triangle, bytes)) return PDYN_NO_MEMORY;
     int *triangle = (int *)file->triangle.data + 3 * file->triangles++;
@@ -148,7 +64,7 @@ pdyn_status mesh_file_corner(struct mesh_file *file, int index) {
         return PDYN_NO_MEMORY;
     int *last = (int *)file->last_face.data + index;
     if (*last == file->faces)
-        return mesh_file_fail(file, "the face uses vertex %d twice", index + file->first_index);
+        return scan_fail(&file->in, "the face uses vertex %d twice", index + file->first_index);
     *last = file->faces;
     pdyn_status status = PDYN_OK;
     if (file->corners >= 2) status = add_triangle(file, file->first, file->previous, index);
@@ -179,40 +95,33 @@ static bool is_folded(const struct mesh_file *file) {
 
 pdyn_status mesh_file_end_face(const struct mesh_file *file) {
     if (file->corners < 3)
-        return mesh_file_fail(file, "expected a face of at least 3 vertices, found %d",
-                              file->corners);
+        return scan_fail(&file->in, "expected a face of at least 3 vertices, found %d",
+                         file->corners);
     if (file->corners > 3 && is_folded(file))
-        return mesh_file_fail(file,
-                              "the polygon of %d vertices is concave: expected convex polygons "
-                              "or triangles, which every modelling program can make of it",
-                              file->corners);
+        return scan_fail(&file->in,
+                         "the polygon of %d vertices is concave: expected convex polygons "
+                         "or triangles, which every modelling program can make of it",
+                         file->corners);
     return PDYN_OK;
 }
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-pdyn_status mesh_file_load(struct mesh_file *file) {
-    pdyn_status status = file_load(file->context, file->path, &file->data, &file->size);
-    file->at = file->data;
-    if (status != PDYN_OK || file->size) return status;
-    return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: the file is empty", file->path);
-}
-
 static pdyn_status parse(struct mesh_file *file, pdyn_status (*format)(struct mesh_file *)) {
     struct text_locale locale;
-    if (!text_begin(&locale)) return context_no_memory(file->context);
+    if (!text_begin(&locale)) return context_no_memory(file->in.context);
     pdyn_status status = format(file);
     text_end(&locale);
     return status;
 }
 
 static void release(const struct mesh_file *file, struct mesh_array *array) {
-    context_resize(file->context, array->data, array->bytes, 0);
+    context_resize(file->in.context, array->data, array->bytes, 0);
     *array = (struct mesh_array){0};
 }
 
 void *mesh_file_detach(const struct mesh_file *file, struct mesh_array *array, size_t bytes) {
-    void *taken = context_resize(file->context, array->data, array->bytes, bytes);
+    void *taken = context_resize(file->in.context, array->data, array->bytes, bytes);
     if (taken || !bytes) *array = (struct mesh_array){0};
     return taken;
 }
@@ -226,14 +135,13 @@ struct format {
  * endings. The caller calls mesh_file_release, after a failure, too. */
 static pdyn_status read_file(struct mesh_file *file, const struct format *format,
                              const char *what) {
-    size_t length = strlen(file->path);
-    const char *ending = length < 4 ? file->path : file->path + length - 4;
-    file->line = 1;
+    size_t length = strlen(file->in.path);
+    const char *ending = length < 4 ? file->in.path : file->in.path + length - 4;
     while (format->ending && strcasecmp(ending, format->ending)) format++;
     if (!format->ending)
-        return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: expected a %s", file->path,
-                            what);
-    pdyn_status status = mesh_file_load(file);
+        return context_fail(file->in.context, PDYN_BAD_INPUT, "%.1024s: expected a %s",
+                            file->in.path, what);
+    pdyn_status status = scan_load(&file->in);
     return status == PDYN_OK ? parse(file, format->parse) : status;
 }
 
@@ -242,26 +150,26 @@ void mesh_file_release(struct mesh_file *file) {
     release(file, &file->triangle);
     release(file, &file->velocity);
     release(file, &file->last_face);
-    FREE_ARRAY(file->context, file->data, file->size + 1);
+    scan_free(&file->in);
 }
 
 static pdyn_status detach_mesh(struct mesh_file *file, struct mesh *out) {
     if (!file->triangles)
-        return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: the mesh has no triangles",
-                            file->path);
+        return context_fail(file->in.context, PDYN_BAD_INPUT, "%.1024s: the mesh has no triangles",
+                            file->in.path);
     size_t vertices = (size_t)file->vertices, triangles = (size_t)file->triangles;
     out->vertices = file->vertices, out->triangles = file->triangles;
     out->vertex = mesh_file_detach(file, &file->vertex, 3 * vertices * sizeof(double));
     out->triangle = mesh_file_detach(file, &file->triangle, 3 * triangles * sizeof(int));
     if (out->vertex && out->triangle) return PDYN_OK;
-    mesh_free(file->context, out);
-    return context_no_memory(file->context);
+    mesh_free(file->in.context, out);
+    return context_no_memory(file->in.context);
 }
 
 pdyn_status mesh_read(pdyn_context *context, const char *path, struct mesh *out) {
     static const struct format formats[] = {
         {".obj", mesh_obj_parse}, {".ply", mesh_ply_parse}, {".stl", mesh_stl_parse}, {0}};
-    struct mesh_file file = {.context = context, .path = path};
+    struct mesh_file file = {.in = {.context = context, .path = path}};
     *out = (struct mesh){0};
     pdyn_status status = read_file(&file, formats, "mesh file ending with .obj, .ply or .stl");
     if (status == PDYN_OK) status = detach_mesh(&file, out);
@@ -271,22 +179,22 @@ pdyn_status mesh_read(pdyn_context *context, const char *path, struct mesh *out)
 
 static pdyn_status detach_particles(struct mesh_file *file, struct particles *out) {
     if (!file->vertices)
-        return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: the file has no particles",
-                            file->path);
+        return context_fail(file->in.context, PDYN_BAD_INPUT, "%.1024s: the file has no particles",
+                            file->in.path);
     size_t bytes = 3 * (size_t)file->vertices * sizeof(double);
     bool moving = file->velocities;
     out->count = file->vertices;
     out->x = mesh_file_detach(file, &file->vertex, bytes);
     if (moving) out->v = mesh_file_detach(file, &file->velocity, bytes);
     if (out->x && (out->v || !moving)) return PDYN_OK;
-    particles_free(file->context, out);
-    return context_no_memory(file->context);
+    particles_free(file->in.context, out);
+    return context_no_memory(file->in.context);
 }
 
 pdyn_status particles_read(pdyn_context *context, const char *path, struct particles *out) {
     static const struct format formats[] = {
         {".ply", mesh_ply_parse}, {".vtk", mesh_vtk_parse}, {0}};
-    struct mesh_file file = {.context = context, .path = path, .only_points = true};
+    struct mesh_file file = {.in = {.context = context, .path = path}, .only_points = true};
     *out = (struct particles){0};
     pdyn_status status = read_file(&file, formats, "file of particles ending with .ply or .vtk");
     if (status == PDYN_OK) status = detach_particles(&file, out);

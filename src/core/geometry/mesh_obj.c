@@ -42,8 +42,8 @@ void mesh_obj_join_lines(char *text, size_t size) {
 /* ---- lines ----------------------------------------------------------------------------------- */
 
 /* Next word of the line; '#' starts a comment and ends the line. */
-static struct mesh_word next_word(struct mesh_file *file) {
-    struct mesh_word word = mesh_file_word(file);
+static struct word next_word(struct mesh_file *file) {
+    struct word word = scan_word(&file->in);
     if (*word.text == '#') word.length = 0;
     return word;
 }
@@ -51,12 +51,12 @@ static struct mesh_word next_word(struct mesh_file *file) {
 static pdyn_status read_vertex(struct mesh_file *file) {
     double x[3], extra;
     for (int k = 0; k < 3; k++) {
-        struct mesh_word word = next_word(file);
-        if (!mesh_word_number(word, x + k))
-            return mesh_file_expected(file, "3 coordinates after 'v'", word);
+        struct word word = next_word(file);
+        if (!word_number(word, x + k))
+            return scan_expected(&file->in, "3 coordinates after 'v'", word);
     }
-    for (struct mesh_word word; (word = next_word(file)).length;) /* weight or colour */
-        if (!mesh_word_number(word, &extra)) return mesh_file_expected(file, "a number", word);
+    for (struct word word; (word = next_word(file)).length;) /* weight or colour */
+        if (!word_number(word, &extra)) return scan_expected(&file->in, "a number", word);
     return mesh_file_vertex(file, x);
 }
 
@@ -70,7 +70,7 @@ static bool read_integer(const char **at, const char *end, long *value) {
 }
 
 /* Parses a face corner v, v/t, v//n or v/t/n and returns v. */
-static bool read_corner(struct mesh_word word, long *vertex) {
+static bool read_corner(struct word word, long *vertex) {
     const char *at = word.text, *end = at + word.length;
     long ignored;
     if (!read_integer(&at, end, vertex)) return false;
@@ -83,16 +83,16 @@ static bool read_corner(struct mesh_word word, long *vertex) {
 
 static pdyn_status read_face(struct mesh_file *file) {
     mesh_file_begin_face(file);
-    for (struct mesh_word word; (word = next_word(file)).length;) {
+    for (struct word word; (word = next_word(file)).length;) {
         long vertex;
         if (!read_corner(word, &vertex))
-            return mesh_file_expected(file, "a face corner v, v/t, v//n or v/t/n", word);
+            return scan_expected(&file->in, "a face corner v, v/t, v//n or v/t/n", word);
         long index = vertex < 0 ? file->vertices + vertex : vertex - 1;
         if (index < 0 || index >= file->vertices)
-            return mesh_file_fail(file,
-                                  "the face uses vertex %ld, but %d are given so far (from 1 on, "
-                                  "or backwards from -1)",
-                                  vertex, file->vertices);
+            return scan_fail(&file->in,
+                             "the face uses vertex %ld, but %d are given so far (from 1 on, "
+                             "or backwards from -1)",
+                             vertex, file->vertices);
         pdyn_status status = mesh_file_corner(file, (int)index);
         if (status != PDYN_OK) return status;
     }
@@ -112,19 +112,19 @@ static const struct {
 };
 
 static pdyn_status read_line(struct mesh_file *file) {
-    struct mesh_word word = next_word(file);
+    struct word word = next_word(file);
     if (!word.length) return PDYN_OK;
     for (size_t k = 0; k < sizeof keywords / sizeof *keywords; k++)
-        if (mesh_word_is(word, keywords[k].name))
+        if (word_is(word, keywords[k].name))
             return keywords[k].read ? keywords[k].read(file) : PDYN_OK;
-    return mesh_file_expected(file, "v, f or another keyword of OBJ", word);
+    return scan_expected(&file->in, "v, f or another keyword of OBJ", word);
 }
 
 pdyn_status mesh_obj_parse(struct mesh_file *file) {
     file->first_index = 1;
-    mesh_obj_join_lines(file->data, file->size);
+    mesh_obj_join_lines(file->in.data, file->in.size);
     pdyn_status status = PDYN_OK;
-    for (; status == PDYN_OK && !mesh_file_at_end(file); mesh_file_next_line(file))
+    for (; status == PDYN_OK && !scan_at_end(&file->in); scan_next_line(&file->in))
         status = read_line(file);
     return status;
 }

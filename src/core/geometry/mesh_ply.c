@@ -28,8 +28,8 @@ static const struct type types[] = {
     {"ushort", "uint16", 2, from_unsigned, true, 0, UINT16_MAX},
     {"int", "int32", 4, from_int32, true, INT32_MIN, INT32_MAX},
     {"uint", "uint32", 4, from_unsigned, true, 0, UINT32_MAX},
-    {"float", "float32", 4, mesh_from_float, false, 0, 0},
-    {"double", "float64", 8, mesh_from_double, false, 0, 0},
+    {"float", "float32", 4, scan_float, false, 0, 0},
+    {"double", "float64", 8, scan_double, false, 0, 0},
 };
 
 /* ---- formats: how a number is written -------------------------------------------------------- */
@@ -40,29 +40,28 @@ static bool is_whole(double value, double min, double max) {
 
 /* Returns false if the next word is not such a number; `found` is that word. */
 static bool read_text(struct mesh_file *file, const struct type *type, double *value,
-                      struct mesh_word *found) {
-    *found = mesh_file_word(file);
-    return mesh_word_number(*found, value) &&
-           (!type->whole || is_whole(*value, type->min, type->max));
+                      struct word *found) {
+    *found = scan_word(&file->in);
+    return word_number(*found, value) && (!type->whole || is_whole(*value, type->min, type->max));
 }
 
 static bool read_bytes(struct mesh_file *file, const struct type *type, bool big, double *value) {
-    file->last = file->at;
-    if ((size_t)(file->data + file->size - file->at) < type->size) return false;
-    *value = type->decode(mesh_bits(file->at, type->size, big));
-    file->at += type->size;
+    file->in.last = file->in.at;
+    if ((size_t)(file->in.data + file->in.size - file->in.at) < type->size) return false;
+    *value = type->decode(scan_bits(file->in.at, type->size, big));
+    file->in.at += type->size;
     return true;
 }
 
 static bool read_little(struct mesh_file *file, const struct type *type, double *value,
-                        struct mesh_word *found) {
-    *found = (struct mesh_word){0};
+                        struct word *found) {
+    *found = (struct word){0};
     return read_bytes(file, type, false, value);
 }
 
 static bool read_big(struct mesh_file *file, const struct type *type, double *value,
-                     struct mesh_word *found) {
-    *found = (struct mesh_word){0};
+                     struct word *found) {
+    *found = (struct word){0};
     return read_bytes(file, type, true, value);
 }
 
@@ -70,7 +69,7 @@ struct format {
     const char *name;
     bool binary;
     bool (*read)(struct mesh_file *file, const struct type *type, double *value,
-                 struct mesh_word *found);
+                 struct word *found);
 };
 static const struct format formats[] = {
     {"ascii", false, read_text},
@@ -103,14 +102,14 @@ static const struct {
 enum { WANTED = sizeof wanted / sizeof *wanted };
 
 struct property {
-    struct mesh_word name;
+    struct word name;
     const struct type *type;
     const struct type *length; /* type of the length of a list; NULL: not a list */
     int slot;
 };
 
 struct element {
-    struct mesh_word name;
+    struct word name;
     int64_t count;
     size_t first, properties;
     int slots; /* bits 1 << SLOT_...: properties of this element that are read */
@@ -125,27 +124,27 @@ struct ply {
     bool header_done;
 };
 
-static int shown(struct mesh_word word) { return word.length < 40 ? (int)word.length : 40; }
+static int shown(struct word word) { return word.length < 40 ? (int)word.length : 40; }
 
 static pdyn_status read_format(struct ply *ply) {
-    struct mesh_word name = mesh_file_word(ply->file);
+    struct word name = scan_word(&ply->file->in);
     for (size_t k = 0; k < sizeof formats / sizeof *formats; k++)
-        if (mesh_word_is(name, formats[k].name)) ply->format = &formats[k];
+        if (word_is(name, formats[k].name)) ply->format = &formats[k];
     if (!ply->format)
-        return mesh_file_expected(ply->file,
-                                  "format ascii, binary_little_endian or binary_big_endian", name);
-    struct mesh_word version = mesh_file_word(ply->file);
-    return mesh_word_is(version, "1.0") ? PDYN_OK
-                                        : mesh_file_expected(ply->file, "version 1.0", version);
+        return scan_expected(&ply->file->in,
+                             "format ascii, binary_little_endian or binary_big_endian", name);
+    struct word version = scan_word(&ply->file->in);
+    return word_is(version, "1.0") ? PDYN_OK
+                                   : scan_expected(&ply->file->in, "version 1.0", version);
 }
 
 static pdyn_status read_element(struct ply *ply) {
-    struct element element = {.name = mesh_file_word(ply->file), .first = ply->properties};
-    if (!element.name.length) return mesh_file_expected(ply->file, "an element name", element.name);
-    struct mesh_word count = mesh_file_word(ply->file);
+    struct element element = {.name = scan_word(&ply->file->in), .first = ply->properties};
+    if (!element.name.length) return scan_expected(&ply->file->in, "an element name", element.name);
+    struct word count = scan_word(&ply->file->in);
     double value;
-    if (!mesh_word_number(count, &value) || !is_whole(value, 0, 1e15))
-        return mesh_file_expected(ply->file, "a number of elements", count);
+    if (!word_number(count, &value) || !is_whole(value, 0, 1e15))
+        return scan_expected(&ply->file->in, "a number of elements", count);
     element.count = (int64_t)value;
     if (!mesh_file_reserve(ply->file, &ply->element, (ply->elements + 1) * sizeof element))
         return PDYN_NO_MEMORY;
@@ -153,10 +152,9 @@ static pdyn_status read_element(struct ply *ply) {
     return PDYN_OK;
 }
 
-static const struct type *find_type(struct mesh_word word) {
+static const struct type *find_type(struct word word) {
     for (size_t k = 0; k < sizeof types / sizeof *types; k++)
-        if (mesh_word_is(word, types[k].name) || mesh_word_is(word, types[k].alias))
-            return &types[k];
+        if (word_is(word, types[k].name) || word_is(word, types[k].alias)) return &types[k];
     return NULL;
 }
 
@@ -168,18 +166,18 @@ static bool is_wanted(const struct ply *ply, int k) {
 static pdyn_status assign_slot(struct ply *ply, struct element *element, struct property *p) {
     p->slot = SLOT_NONE;
     for (int k = 0; k < WANTED; k++)
-        if (is_wanted(ply, k) && mesh_word_is(element->name, wanted[k].element) &&
-            mesh_word_is(p->name, wanted[k].property))
+        if (is_wanted(ply, k) && word_is(element->name, wanted[k].element) &&
+            word_is(p->name, wanted[k].property))
             p->slot = wanted[k].slot;
     if (p->slot == SLOT_NONE) return PDYN_OK;
     if ((p->slot == SLOT_CORNERS) != (p->length != NULL))
-        return mesh_file_fail(ply->file, "expected property '%.*s' to be %s", shown(p->name),
-                              p->name.text, p->length ? "a number, found a list" : "a list");
+        return scan_fail(&ply->file->in, "expected property '%.*s' to be %s", shown(p->name),
+                         p->name.text, p->length ? "a number, found a list" : "a list");
     if (p->length && !p->type->whole)
-        return mesh_file_fail(ply->file, "expected a list of integers, found %s", p->type->name);
+        return scan_fail(&ply->file->in, "expected a list of integers, found %s", p->type->name);
     if (ply->slots & 1 << p->slot)
-        return mesh_file_fail(ply->file, "property '%.*s' is given twice", shown(p->name),
-                              p->name.text);
+        return scan_fail(&ply->file->in, "property '%.*s' is given twice", shown(p->name),
+                         p->name.text);
     ply->slots |= 1 << p->slot;
     element->slots |= 1 << p->slot;
     return PDYN_OK;
@@ -187,21 +185,21 @@ static pdyn_status assign_slot(struct ply *ply, struct element *element, struct 
 
 static pdyn_status read_property(struct ply *ply) {
     if (!ply->elements)
-        return mesh_file_fail(ply->file, "expected an element before its properties");
+        return scan_fail(&ply->file->in, "expected an element before its properties");
     struct property property = {0};
-    struct mesh_word word = mesh_file_word(ply->file);
-    if (mesh_word_is(word, "list")) {
-        word = mesh_file_word(ply->file);
+    struct word word = scan_word(&ply->file->in);
+    if (word_is(word, "list")) {
+        word = scan_word(&ply->file->in);
         property.length = find_type(word);
         if (!property.length || !property.length->whole)
-            return mesh_file_expected(ply->file, "an integer type for the list's length", word);
-        word = mesh_file_word(ply->file);
+            return scan_expected(&ply->file->in, "an integer type for the list's length", word);
+        word = scan_word(&ply->file->in);
     }
     property.type = find_type(word);
-    if (!property.type) return mesh_file_expected(ply->file, "a type such as float or int", word);
-    property.name = mesh_file_word(ply->file);
+    if (!property.type) return scan_expected(&ply->file->in, "a type such as float or int", word);
+    property.name = scan_word(&ply->file->in);
     if (!property.name.length)
-        return mesh_file_expected(ply->file, "a property name", property.name);
+        return scan_expected(&ply->file->in, "a property name", property.name);
     struct element *element = (struct element *)ply->element.data + ply->elements - 1;
     pdyn_status status = assign_slot(ply, element, &property);
     if (status != PDYN_OK) return status;
@@ -224,38 +222,38 @@ static pdyn_status read_header_line(struct ply *ply) {
     } keywords[] = {{"format", read_format},     {"element", read_element},
                     {"property", read_property}, {"end_header", end_header},
                     {"comment", NULL},           {"obj_info", NULL}};
-    struct mesh_word word = mesh_file_word(ply->file);
+    struct word word = scan_word(&ply->file->in);
     size_t k = 0, n = sizeof keywords / sizeof *keywords;
-    while (k < n && !mesh_word_is(word, keywords[k].name)) k++;
+    while (k < n && !word_is(word, keywords[k].name)) k++;
     if (k == n)
-        return mesh_file_expected(ply->file, "format, element, property, comment or end_header",
-                                  word);
+        return scan_expected(&ply->file->in, "format, element, property, comment or end_header",
+                             word);
     if (!keywords[k].read) return PDYN_OK;
     pdyn_status status = keywords[k].read(ply);
     if (status != PDYN_OK) return status;
-    word = mesh_file_word(ply->file);
-    return word.length ? mesh_file_expected(ply->file, "the end of the line", word) : PDYN_OK;
+    word = scan_word(&ply->file->in);
+    return word.length ? scan_expected(&ply->file->in, "the end of the line", word) : PDYN_OK;
 }
 
 /* Checks the header, and that the rest of the file is long enough for the elements it announces,
  * before memory is allocated for them. */
 static pdyn_status check_header(const struct ply *ply) {
-    if (!ply->format) return mesh_file_fail(ply->file, "expected a format line in the header");
+    if (!ply->format) return scan_fail(&ply->file->in, "expected a format line in the header");
     for (int k = 0; k < WANTED; k++)
         if (is_wanted(ply, k) && wanted[k].required && !(ply->slots & 1 << wanted[k].slot))
-            return mesh_file_fail(ply->file, "expected property '%s' of element '%s' in the header",
-                                  wanted[k].property, wanted[k].element);
+            return scan_fail(&ply->file->in, "expected property '%s' of element '%s' in the header",
+                             wanted[k].property, wanted[k].element);
     int velocity = ply->slots & VELOCITY_SLOTS;
     if (velocity && velocity != VELOCITY_SLOTS)
-        return mesh_file_fail(ply->file, "expected all of 'vx', 'vy' and 'vz' or none of them");
+        return scan_fail(&ply->file->in, "expected all of 'vx', 'vy' and 'vz' or none of them");
     const struct element *element = ply->element.data;
     const struct property *property = ply->property.data;
-    size_t left = (size_t)(ply->file->data + ply->file->size - ply->file->at);
+    size_t left = (size_t)(ply->file->in.data + ply->file->in.size - ply->file->in.at);
     for (size_t e = 0; e < ply->elements; e++) {
-        struct mesh_word name = element[e].name;
+        struct word name = element[e].name;
         if (!element[e].properties)
-            return mesh_file_fail(ply->file, "element '%.*s' has no properties", shown(name),
-                                  name.text);
+            return scan_fail(&ply->file->in, "element '%.*s' has no properties", shown(name),
+                             name.text);
         size_t bytes = 0; /* minimum size of one element; in text a digit and a blank per number */
         for (size_t k = 0; k < element[e].properties; k++) {
             const struct property *p = property + element[e].first + k;
@@ -263,25 +261,25 @@ static pdyn_status check_header(const struct ply *ply) {
         }
         double need = (double)element[e].count * (double)bytes;
         if (need > (double)left + !ply->format->binary)
-            return mesh_file_fail(ply->file,
-                                  "%" PRId64 " of element '%.*s' take at least %.0f bytes, but "
-                                  "%zu are left in the file",
-                                  element[e].count, shown(name), name.text, need, left);
+            return scan_fail(&ply->file->in,
+                             "%" PRId64 " of element '%.*s' take at least %.0f bytes, but "
+                             "%zu are left in the file",
+                             element[e].count, shown(name), name.text, need, left);
     }
     return PDYN_OK;
 }
 
 static pdyn_status read_header(struct ply *ply) {
     struct mesh_file *file = ply->file;
-    struct mesh_word magic = mesh_file_word(file);
-    if (!mesh_word_is(magic, "ply")) return mesh_file_expected(file, "'ply'", magic);
+    struct word magic = scan_word(&file->in);
+    if (!word_is(magic, "ply")) return scan_expected(&file->in, "'ply'", magic);
     pdyn_status status = PDYN_OK;
     while (status == PDYN_OK && !ply->header_done) {
-        mesh_file_next_line(file);
+        scan_next_line(&file->in);
         status = read_header_line(ply);
     }
     if (status != PDYN_OK) return status;
-    mesh_file_next_line(file);
+    scan_next_line(&file->in);
     return check_header(ply);
 }
 
@@ -294,20 +292,20 @@ struct place { /* the current element, for error messages */
 
 static pdyn_status read_value(const struct ply *ply, struct place place, const struct property *p,
                               const struct type *type, double *value) {
-    struct mesh_word found;
+    struct word found;
     if (ply->format->read(ply->file, type, value, &found)) return PDYN_OK;
     char what[200];
-    struct mesh_word name = place.element->name;
+    struct word name = place.element->name;
     snprintf(what, sizeof what, "%s for '%.*s' of %.*s %" PRId64 " (of %" PRId64 ")", type->name,
              shown(p->name), p->name.text, shown(name), name.text, place.number,
              place.element->count);
-    return mesh_file_expected(ply->file, what, found);
+    return scan_expected(&ply->file->in, what, found);
 }
 
 static pdyn_status add_corner(struct mesh_file *file, double vertex) {
     if (vertex >= 0 && vertex < file->vertices) return mesh_file_corner(file, (int)vertex);
-    return mesh_file_fail(file, "the face uses vertex %.0f, but %d are given so far (from 0 on)",
-                          vertex, file->vertices);
+    return scan_fail(&file->in, "the face uses vertex %.0f, but %d are given so far (from 0 on)",
+                     vertex, file->vertices);
 }
 
 static pdyn_status read_list(const struct ply *ply, struct place place, const struct property *p) {
@@ -315,7 +313,7 @@ static pdyn_status read_list(const struct ply *ply, struct place place, const st
     pdyn_status status = read_value(ply, place, p, p->length, &length);
     if (status != PDYN_OK) return status;
     if (length < 0)
-        return mesh_file_fail(ply->file, "expected a list length of 0 or more, found %.0f", length);
+        return scan_fail(&ply->file->in, "expected a list length of 0 or more, found %.0f", length);
     bool face = p->slot == SLOT_CORNERS;
     if (face) mesh_file_begin_face(ply->file);
     for (int64_t k = 0; k < (int64_t)length && status == PDYN_OK; k++) {
@@ -331,7 +329,7 @@ static pdyn_status read_entry(const struct ply *ply, struct place place) {
     const struct property *end = p + element->properties;
     double slot[SLOTS];
     pdyn_status status = PDYN_OK;
-    if (!ply->format->binary) mesh_file_skip_blank(ply->file);
+    if (!ply->format->binary) scan_skip_blank(&ply->file->in);
     for (; p < end && status == PDYN_OK; p++)
         status = p->length ? read_list(ply, place, p)
                            : read_value(ply, place, p, p->type, slot + p->slot);
@@ -340,28 +338,28 @@ static pdyn_status read_entry(const struct ply *ply, struct place place) {
     if (status == PDYN_OK && element->slots == (VERTEX_SLOTS | VELOCITY_SLOTS))
         status = mesh_file_velocity(ply->file, slot + SLOT_VX);
     if (status != PDYN_OK || ply->format->binary) return status;
-    struct mesh_word more = mesh_file_word(ply->file);
-    return more.length ? mesh_file_expected(ply->file, "the end of the line", more) : PDYN_OK;
+    struct word more = scan_word(&ply->file->in);
+    return more.length ? scan_expected(&ply->file->in, "the end of the line", more) : PDYN_OK;
 }
 
 static pdyn_status read_values(const struct ply *ply) {
-    ply->file->binary = ply->format->binary;
+    ply->file->in.binary = ply->format->binary;
     const struct element *element = ply->element.data;
     for (size_t e = 0; e < ply->elements; e++)
         for (int64_t k = 0; k < element[e].count; k++) {
             pdyn_status status = read_entry(ply, (struct place){element + e, k});
             if (status != PDYN_OK) return status;
         }
-    mesh_file_skip_blank(ply->file);
-    if (mesh_file_at_end(ply->file)) return PDYN_OK;
-    return mesh_file_fail(ply->file, "expected the end of the file after the last element");
+    scan_skip_blank(&ply->file->in);
+    if (scan_at_end(&ply->file->in)) return PDYN_OK;
+    return scan_fail(&ply->file->in, "expected the end of the file after the last element");
 }
 
 pdyn_status mesh_ply_parse(struct mesh_file *file) {
     struct ply ply = {.file = file};
     pdyn_status status = read_header(&ply);
     if (status == PDYN_OK) status = read_values(&ply);
-    context_resize(file->context, ply.element.data, ply.element.bytes, 0);
-    context_resize(file->context, ply.property.data, ply.property.bytes, 0);
+    context_resize(file->in.context, ply.element.data, ply.element.bytes, 0);
+    context_resize(file->in.context, ply.property.data, ply.property.bytes, 0);
     return status;
 }

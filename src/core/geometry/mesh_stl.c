@@ -75,30 +75,30 @@ static pdyn_status add_triangle(struct stl *stl, double x[9]) {
 
 /* ---- text ------------------------------------------------------------------------------------ */
 
-static bool is_keyword(struct mesh_word word, const char *keyword) {
+static bool is_keyword(struct word word, const char *keyword) {
     return word.length == strlen(keyword) && !strncasecmp(word.text, keyword, word.length);
 }
 
-static struct mesh_word first_word(struct mesh_file *file) {
-    mesh_file_skip_blank(file);
-    return mesh_file_word(file);
+static struct word first_word(struct mesh_file *file) {
+    scan_skip_blank(&file->in);
+    return scan_word(&file->in);
 }
 
 /* Reads a line that begins with the keyword. */
 static pdyn_status read_keyword(struct mesh_file *file, const char *keyword) {
-    struct mesh_word word = first_word(file);
-    if (!is_keyword(word, keyword)) return mesh_file_expected(file, keyword, word);
-    mesh_file_next_line(file);
+    struct word word = first_word(file);
+    if (!is_keyword(word, keyword)) return scan_expected(&file->in, keyword, word);
+    scan_next_line(&file->in);
     return PDYN_OK;
 }
 
 static pdyn_status read_corner(struct mesh_file *file, double x[3]) {
-    struct mesh_word word = first_word(file);
-    if (!is_keyword(word, "vertex")) return mesh_file_expected(file, "vertex", word);
+    struct word word = first_word(file);
+    if (!is_keyword(word, "vertex")) return scan_expected(&file->in, "vertex", word);
     for (int a = 0; a < 3; a++) {
-        word = mesh_file_word(file);
-        if (!mesh_word_number(word, x + a))
-            return mesh_file_expected(file, "3 coordinates after 'vertex'", word);
+        word = scan_word(&file->in);
+        if (!word_number(word, x + a))
+            return scan_expected(&file->in, "3 coordinates after 'vertex'", word);
     }
     return PDYN_OK;
 }
@@ -106,11 +106,11 @@ static pdyn_status read_corner(struct mesh_file *file, double x[3]) {
 /* The lines after "facet normal". */
 static pdyn_status read_facet(struct stl *stl) {
     double x[9];
-    mesh_file_next_line(stl->file);
+    scan_next_line(&stl->file->in);
     pdyn_status status = read_keyword(stl->file, "outer");
     for (int c = 0; c < 3 && status == PDYN_OK; c++) status = read_corner(stl->file, x + 3 * c);
     if (status == PDYN_OK) status = add_triangle(stl, x);
-    if (status == PDYN_OK) mesh_file_next_line(stl->file);
+    if (status == PDYN_OK) scan_next_line(&stl->file->in);
     if (status == PDYN_OK) status = read_keyword(stl->file, "endloop");
     return status == PDYN_OK ? read_keyword(stl->file, "endfacet") : status;
 }
@@ -118,11 +118,11 @@ static pdyn_status read_facet(struct stl *stl) {
 static pdyn_status read_solid(struct stl *stl) {
     pdyn_status status = read_keyword(stl->file, "solid");
     while (status == PDYN_OK) {
-        struct mesh_word word = first_word(stl->file);
-        if (is_keyword(word, "endsolid")) return mesh_file_next_line(stl->file), PDYN_OK;
+        struct word word = first_word(stl->file);
+        if (is_keyword(word, "endsolid")) return scan_next_line(&stl->file->in), PDYN_OK;
         status = is_keyword(word, "facet")
                      ? read_facet(stl)
-                     : mesh_file_expected(stl->file, "facet or endsolid", word);
+                     : scan_expected(&stl->file->in, "facet or endsolid", word);
     }
     return status;
 }
@@ -131,8 +131,8 @@ static pdyn_status read_text(struct stl *stl) {
     pdyn_status status = PDYN_OK;
     do {
         status = read_solid(stl);
-        if (status == PDYN_OK) mesh_file_skip_blank(stl->file);
-    } while (status == PDYN_OK && !mesh_file_at_end(stl->file));
+        if (status == PDYN_OK) scan_skip_blank(&stl->file->in);
+    } while (status == PDYN_OK && !scan_at_end(&stl->file->in));
     return status;
 }
 
@@ -140,19 +140,19 @@ static pdyn_status read_text(struct stl *stl) {
 
 static pdyn_status read_binary(struct stl *stl) {
     struct mesh_file *file = stl->file;
-    file->binary = true, file->last = file->data;
-    if (file->size < HEAD)
-        return mesh_file_fail(file, "expected 'solid', or a binary STL of at least %d bytes", HEAD);
-    size_t count = mesh_bits(file->data + HEAD - 4, 4, false);
-    file->last = file->data + HEAD - 4;
-    if (file->size != HEAD + RECORD * count)
-        return mesh_file_fail(file, "%zu triangles: expected a file of %zu bytes, found %zu", count,
-                              HEAD + RECORD * count, file->size);
+    file->in.binary = true, file->in.last = file->in.data;
+    if (file->in.size < HEAD)
+        return scan_fail(&file->in, "expected 'solid', or a binary STL of at least %d bytes", HEAD);
+    size_t count = scan_bits(file->in.data + HEAD - 4, 4, false);
+    file->in.last = file->in.data + HEAD - 4;
+    if (file->in.size != HEAD + RECORD * count)
+        return scan_fail(&file->in, "%zu triangles: expected a file of %zu bytes, found %zu", count,
+                         HEAD + RECORD * count, file->in.size);
     pdyn_status status = PDYN_OK;
     for (size_t t = 0; t < count && status == PDYN_OK; t++) {
         double x[9];
-        file->last = file->data + HEAD + RECORD * t + 12;
-        for (int k = 0; k < 9; k++) x[k] = mesh_from_float(mesh_bits(file->last + 4 * k, 4, false));
+        file->in.last = file->in.data + HEAD + RECORD * t + 12;
+        for (int k = 0; k < 9; k++) x[k] = scan_float(scan_bits(file->in.last + 4 * k, 4, false));
         status = add_triangle(stl, x);
     }
     return status;
@@ -160,14 +160,14 @@ static pdyn_status read_binary(struct stl *stl) {
 
 /* Binary files may begin with "solid", too, but only they have bytes 0. */
 static bool is_text(const struct mesh_file *file) {
-    const char *at = file->data;
+    const char *at = file->in.data;
     while (*at && strchr(" \t\r\n", *at)) at++;
-    return !strncasecmp(at, "solid", 5) && !memchr(file->data, 0, file->size);
+    return !strncasecmp(at, "solid", 5) && !memchr(file->in.data, 0, file->in.size);
 }
 
 pdyn_status mesh_stl_parse(struct mesh_file *file) {
     struct stl stl = {.file = file};
     pdyn_status status = is_text(file) ? read_text(&stl) : read_binary(&stl);
-    context_resize(file->context, stl.slots.data, stl.slots.bytes, 0);
+    context_resize(file->in.context, stl.slots.data, stl.slots.bytes, 0);
     return status;
 }

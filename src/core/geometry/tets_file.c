@@ -22,34 +22,35 @@ struct reader {
 static pdyn_status read_whole(struct mesh_file *file, const char *what, double low, double high,
                               long *out) {
     double value;
-    struct mesh_word word = mesh_file_word(file);
-    if (!mesh_word_number(word, &value) || !(value >= low && value <= high) ||
+    struct word word = scan_word(&file->in);
+    if (!word_number(word, &value) || !(value >= low && value <= high) ||
         value != (double)(long)value)
-        return mesh_file_expected(file, what, word);
+        return scan_expected(&file->in, what, word);
     return *out = (long)value, PDYN_OK;
 }
 
 /* Skips blanks, line ends and comments up to the next word. */
 static void skip(struct mesh_file *file) {
-    mesh_file_skip_blank(file);
-    while (!mesh_file_at_end(file) && *file->at == '#')
-        mesh_file_next_line(file), mesh_file_skip_blank(file);
+    scan_skip_blank(&file->in);
+    while (!scan_at_end(&file->in) && *file->in.at == '#')
+        scan_next_line(&file->in), scan_skip_blank(&file->in);
 }
 
 /* Reads a count of elements of at least `min_bytes` each; the file must be long enough. */
 static pdyn_status read_count(struct mesh_file *file, const char *what, size_t min_bytes,
                               long *out) {
-    size_t left = (size_t)(file->data + file->size - file->at);
+    size_t left = (size_t)(file->in.data + file->in.size - file->in.at);
     pdyn_status status = read_whole(file, what, 0, MESH_MAX, out);
     if (status != PDYN_OK || (size_t)*out * min_bytes <= left) return status;
-    return mesh_file_fail(file, "%ld of them cannot be in a file of %zu bytes", *out, file->size);
+    return scan_fail(&file->in, "%ld of them cannot be in a file of %zu bytes", *out,
+                     file->in.size);
 }
 
 static pdyn_status read_point(struct mesh_file *file) {
     double x[3];
     for (int k = 0; k < 3; k++) {
-        struct mesh_word word = mesh_file_word(file);
-        if (!mesh_word_number(word, x + k)) return mesh_file_expected(file, "3 coordinates", word);
+        struct word word = scan_word(&file->in);
+        if (!word_number(word, x + k)) return scan_expected(&file->in, "3 coordinates", word);
     }
     return mesh_file_vertex(file, x);
 }
@@ -60,8 +61,8 @@ static pdyn_status read_point(struct mesh_file *file) {
 static pdyn_status add_tag(struct reader *r, size_t count, long tag) {
     long last = count ? ((const long *)r->tag.data)[count - 1] : -1;
     if (tag <= last)
-        return mesh_file_fail(r->file, "expected tags of nodes to ascend, found %ld after %ld", tag,
-                              last);
+        return scan_fail(&r->file->in, "expected tags of nodes to ascend, found %ld after %ld", tag,
+                         last);
     if (!mesh_file_reserve(r->file, &r->tag, (count + 1) * sizeof(long))) return PDYN_NO_MEMORY;
     ((long *)r->tag.data)[count] = tag;
     return PDYN_OK;
@@ -85,7 +86,7 @@ static int find_vertex(const struct reader *r, long name) {
 /* Reads the four corners of a tetrahedron. */
 static pdyn_status read_tet(struct reader *r) {
     size_t bytes = 4 * sizeof(int) * ((size_t)r->count + 1);
-    if (r->count == MESH_MAX) return mesh_file_fail(r->file, "more than %d tetrahedra", MESH_MAX);
+    if (r->count == MESH_MAX) return scan_fail(&r->file->in, "more than %d tetrahedra", MESH_MAX);
     if (!mesh_file_reserve(r->file, &r->tets, bytes)) return PDYN_NO_MEMORY;
     int *corner = (int *)r->tets.data + 4 * (size_t)r->count++;
     for (int k = 0; k < 4; k++) {
@@ -93,10 +94,10 @@ static pdyn_status read_tet(struct reader *r) {
         pdyn_status status = read_whole(r->file, "4 vertices", 0, 9e15, &name);
         if (status != PDYN_OK) return status;
         corner[k] = find_vertex(r, name);
-        if (corner[k] < 0) return mesh_file_fail(r->file, "there is no vertex %ld", name);
+        if (corner[k] < 0) return scan_fail(&r->file->in, "there is no vertex %ld", name);
         for (int m = 0; m < k; m++)
             if (corner[m] == corner[k])
-                return mesh_file_fail(r->file, "the tetrahedron uses vertex %ld twice", name);
+                return scan_fail(&r->file->in, "the tetrahedron uses vertex %ld twice", name);
     }
     return PDYN_OK;
 }
@@ -109,14 +110,14 @@ static pdyn_status parse_node(struct reader *r) {
     skip(file);
     pdyn_status status = read_count(file, "a number of points", 8, &count);
     if (status == PDYN_OK) status = read_whole(file, "dimension 3", 3, 3, &dimension);
-    mesh_file_next_line(file);
-    for (long i = 0; i < count && status == PDYN_OK; i++, mesh_file_next_line(file)) {
+    scan_next_line(&file->in);
+    for (long i = 0; i < count && status == PDYN_OK; i++, scan_next_line(&file->in)) {
         skip(file);
         status = read_whole(file, "the number of a point", 0, MESH_MAX, &index);
         if (!i) r->first_index = index;
         if (status == PDYN_OK && (index - i != r->first_index || r->first_index > 1))
             status =
-                mesh_file_fail(file, "expected points numbered from 0 or 1 on, found %ld", index);
+                scan_fail(&file->in, "expected points numbered from 0 or 1 on, found %ld", index);
         if (status == PDYN_OK) status = read_point(file);
     }
     return status;
@@ -128,8 +129,8 @@ static pdyn_status parse_ele(struct reader *r) {
     skip(file);
     pdyn_status status = read_count(file, "a number of tetrahedra", 10, &count);
     if (status == PDYN_OK) status = read_whole(file, "4 corners", 4, 4, &corners);
-    mesh_file_next_line(file);
-    for (long i = 0; i < count && status == PDYN_OK; i++, mesh_file_next_line(file)) {
+    scan_next_line(&file->in);
+    for (long i = 0; i < count && status == PDYN_OK; i++, scan_next_line(&file->in)) {
         skip(file);
         status = read_whole(file, "the number of a tetrahedron", 0, MESH_MAX, &index);
         if (status == PDYN_OK) status = read_tet(r);
@@ -141,12 +142,12 @@ static pdyn_status parse_ele(struct reader *r) {
 
 /* Advances to the line after a section's name, e.g. "$Nodes". */
 static pdyn_status find_section(struct mesh_file *file, const char *name) {
-    while (!mesh_file_at_end(file)) {
-        struct mesh_word word = mesh_file_word(file);
-        mesh_file_next_line(file);
-        if (mesh_word_is(word, name)) return PDYN_OK;
+    while (!scan_at_end(&file->in)) {
+        struct word word = scan_word(&file->in);
+        scan_next_line(&file->in);
+        if (word_is(word, name)) return PDYN_OK;
     }
-    return mesh_file_fail(file, "expected a section %s", name);
+    return scan_fail(&file->in, "expected a section %s", name);
 }
 
 static pdyn_status read_node_2(struct reader *r) {
@@ -167,7 +168,7 @@ static pdyn_status read_element_2(struct reader *r) {
     for (long k = 0; k < tags && status == PDYN_OK; k++)
         status = read_whole(r->file, "a tag", -9e15, 9e15, &unused);
     if (status == PDYN_OK && type == 4) status = read_tet(r);
-    mesh_file_next_line(r->file);
+    scan_next_line(&r->file->in);
     return status;
 }
 
@@ -207,7 +208,7 @@ static pdyn_status read_nodes_4(struct reader *r) {
     for (long k = 0; k < count && status == PDYN_OK; k++) {
         skip(file);
         status = read_point(file);
-        mesh_file_next_line(file);
+        scan_next_line(&file->in);
     }
     return status;
 }
@@ -216,8 +217,8 @@ static pdyn_status read_elements_4(struct reader *r) {
     struct mesh_file *file = r->file;
     long type = 0, count = 0, tag;
     pdyn_status status = read_block(file, &type, &count);
-    mesh_file_next_line(file);
-    for (long k = 0; k < count && status == PDYN_OK; k++, mesh_file_next_line(file)) {
+    scan_next_line(&file->in);
+    for (long k = 0; k < count && status == PDYN_OK; k++, scan_next_line(&file->in)) {
         skip(file);
         status = read_whole(file, "the tag of an element", 0, 9e15, &tag);
         if (status == PDYN_OK && type == 4) status = read_tet(r);
@@ -231,7 +232,7 @@ static pdyn_status read_blocks(struct reader *r, const char *section,
     long blocks = 0;
     pdyn_status status = find_section(r->file, section);
     if (status == PDYN_OK) status = read_count(r->file, "a number of blocks", 4, &blocks);
-    mesh_file_next_line(r->file);
+    scan_next_line(&r->file->in);
     for (long k = 0; k < blocks && status == PDYN_OK; k++) status = read(r);
     return status;
 }
@@ -242,12 +243,12 @@ static pdyn_status parse_msh(struct reader *r) {
     r->named = true;
     pdyn_status status = find_section(r->file, "$MeshFormat");
     if (status != PDYN_OK) return status;
-    struct mesh_word word = mesh_file_word(r->file);
-    if (!mesh_word_number(word, &version) || (version != 2.2 && version != 4.1))
-        return mesh_file_expected(r->file, "version 2.2 or 4.1", word);
+    struct word word = scan_word(&r->file->in);
+    if (!word_number(word, &version) || (version != 2.2 && version != 4.1))
+        return scan_expected(&r->file->in, "version 2.2 or 4.1", word);
     status = read_whole(r->file, "0 for an ASCII file, or 1", 0, 1, &binary);
     if (status == PDYN_OK && binary)
-        return mesh_file_fail(r->file, "it is a binary file of Gmsh, expected an ASCII one: "
+        return scan_fail(&r->file->in, "it is a binary file of Gmsh, expected an ASCII one: "
                                        "gmsh FILE.msh -save -format msh41 -o NEW.msh");
     if (status == PDYN_OK) status = read_whole(r->file, "the size of a number", 1, 99, &size);
     if (status != PDYN_OK) return status;
@@ -261,26 +262,26 @@ static pdyn_status parse_msh(struct reader *r) {
 /* Reads and parses one file. Vertices are appended to those of files read before. */
 static pdyn_status read_one(struct reader *r, const char *path,
                             pdyn_status (*parse)(struct reader *r)) {
-    r->file->path = path, r->file->line = 1;
-    pdyn_status status = mesh_file_load(r->file);
+    r->file->in.path = path;
+    pdyn_status status = scan_load(&r->file->in);
     struct text_locale locale;
     if (status != PDYN_OK) return status;
-    if (!text_begin(&locale)) return context_no_memory(r->file->context);
+    if (!text_begin(&locale)) return context_no_memory(r->file->in.context);
     status = parse(r);
     text_end(&locale);
-    FREE_ARRAY(r->file->context, r->file->data, r->file->size + 1);
+    scan_free(&r->file->in);
     return status;
 }
 
 static pdyn_status read_tetgen(struct reader *r, const char *path, size_t length) {
     size_t size = length + 2;
-    char *other = NEW_ARRAY(r->file->context, size, char);
+    char *other = NEW_ARRAY(r->file->in.context, size, char);
     if (!other) return PDYN_NO_MEMORY;
     snprintf(other, size, "%.*s.node", (int)(length - 5), path);
     pdyn_status status = read_one(r, other, parse_node);
     snprintf(other, size, "%.*s.ele", (int)(length - 5), path);
     if (status == PDYN_OK) status = read_one(r, other, parse_ele);
-    FREE_ARRAY(r->file->context, other, size);
+    FREE_ARRAY(r->file->in.context, other, size);
     return status;
 }
 
@@ -294,7 +295,7 @@ static pdyn_status read_any(struct reader *r, const char *path) {
     if (ends_with(path, length, ".node")) return read_tetgen(r, path, length);
     if (ends_with(path, length, ".ele")) return read_tetgen(r, path, length + 1);
     if (ends_with(path, length, ".msh")) return read_one(r, path, parse_msh);
-    return context_fail(r->file->context, PDYN_BAD_INPUT,
+    return context_fail(r->file->in.context, PDYN_BAD_INPUT,
                         "%.1024s: expected a mesh of tetrahedra ending with .node, .ele or .msh; "
                         "\"cell\" fills a closed mesh of triangles with tetrahedra",
                         path);
@@ -302,7 +303,7 @@ static pdyn_status read_any(struct reader *r, const char *path) {
 
 pdyn_status tets_read(pdyn_context *context, const char *path, struct mesh *mesh,
                       struct tets *tets) {
-    struct mesh_file file = {.context = context, .path = path};
+    struct mesh_file file = {.in = {.context = context, .path = path}};
     struct reader r = {.file = &file};
     *mesh = (struct mesh){0}, *tets = (struct tets){0};
     pdyn_status status = read_any(&r, path);
