@@ -121,23 +121,32 @@ static bool is_repeated(const struct plan *plan, const struct point *point, size
     return false;
 }
 
+/* Adds settings of step lengths and residuals, with another integrator than that of the scene where
+ * one is given. */
+static bool add_points(struct plan *plan, const struct point *points, size_t count,
+                       const char *integrator) {
+    bool good = true;
+    for (size_t k = 0; k < count && good; k++) {
+        double factor = real_factor(plan, points[k].factor);
+        struct setting setting = {0};
+        if (is_repeated(plan, points, k)) continue;
+        scale_step(&setting, plan, factor);
+        if (integrator) setting_add(&setting, "time_step.integrator=%s", integrator);
+        set_tolerance(&setting, points[k].tolerance);
+        good = append_setting(plan, &setting, "%s%sh x %g, to residual %g",
+                              integrator ? integrator : "", integrator ? ", " : "", factor,
+                              points[k].tolerance);
+    }
+    return good;
+}
+
 /* Step lengths x residuals. */
 static bool add_solved_grid(struct plan *plan) {
     static const struct point points[] = {
         {8, 1},     {8, 0.1},  {4, 10},     {4, 1},     {4, 0.1},     {2, 10},     {2, 1},
         {2, 0.1},   {1, 10},   {1, 1},      {1, 0.1},   {0.5, 10},    {0.5, 1},    {0.5, 0.1},
         {0.25, 10}, {0.25, 1}, {0.25, 0.1}, {0.125, 1}, {0.125, 0.1}, {0.0625, 1}, {0.03125, 1}};
-    bool good = true;
-    for (size_t k = 0; k < sizeof points / sizeof *points && good; k++) {
-        double factor = real_factor(plan, points[k].factor);
-        struct setting setting = {0};
-        if (is_repeated(plan, points, k)) continue;
-        scale_step(&setting, plan, factor);
-        set_tolerance(&setting, points[k].tolerance);
-        good =
-            append_setting(plan, &setting, "h x %g, to residual %g", factor, points[k].tolerance);
-    }
-    return good;
+    return add_points(plan, points, sizeof points / sizeof *points, NULL);
 }
 
 /* The integrator that the scene does not use, of euler and bdf2. */
@@ -145,18 +154,7 @@ static bool add_other_integrator(struct plan *plan) {
     static const struct point points[] = {{4, 1},   {2, 1},     {1, 1},    {1, 0.1},
                                           {0.5, 1}, {0.5, 0.1}, {0.25, 1}, {0.125, 1}};
     const char *other = strcmp(scene_integrator(plan->scene), "euler") ? "euler" : "bdf2";
-    bool good = true;
-    for (size_t k = 0; k < sizeof points / sizeof *points && good; k++) {
-        double factor = real_factor(plan, points[k].factor);
-        struct setting setting = {0};
-        if (is_repeated(plan, points, k)) continue;
-        scale_step(&setting, plan, factor);
-        setting_add(&setting, "time_step.integrator=%s", other);
-        set_tolerance(&setting, points[k].tolerance);
-        good = append_setting(plan, &setting, "%s, h x %g, to residual %g", other, factor,
-                              points[k].tolerance);
-    }
-    return good;
+    return add_points(plan, points, sizeof points / sizeof *points, other);
 }
 
 /* Step lengths x iteration limits. */
