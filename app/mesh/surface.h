@@ -43,12 +43,10 @@ int surface_add_drops(struct surface *surface, const struct colour_field *field)
 /* Makes velocity, closest and mobility from the particles around each vertex. */
 int surface_sample(struct surface *surface, const struct colour_field *field, int threads);
 
-/* Smooths x without shrinking (Taubin 1995), each vertex by its mobility. */
-int surface_smooth(struct surface *surface, int passes, int threads);
-/* The same for the vertices on lines, each with those of its neighbours on a line. line, mobility:
- * of each vertex. */
-int surface_smooth_line(struct surface *surface, const bool *line, const float *mobility,
-                        int passes, int threads);
+/* Smooths x without shrinking (Taubin 1995), each vertex by its mobility, 0 to 1. line: only the
+ * vertices on a line, each with those of its neighbours on a line; NULL: all. */
+int surface_smooth(struct surface *surface, const bool *line, const float *mobility, int passes,
+                   int threads);
 
 /* Moves vertices beyond an obstacle back to it, and those at most `reach`, m, before one to it. A
  * vertex is beyond an obstacle if a triangle of it lies between the vertex and the closest

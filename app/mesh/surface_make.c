@@ -66,9 +66,10 @@ static int surround(const struct vtk_frame *frame, const char *path, double radi
     if (code == EXIT_GOOD) code = surface_extract(&field, threads, surface);
     if (code == EXIT_GOOD && drops) code = surface_add_drops(surface, &field);
     if (code == EXIT_GOOD) code = surface_sample(surface, &field, threads);
-    if (code == EXIT_GOOD) code = surface_smooth(surface, PASSES, threads);
+    if (code == EXIT_GOOD) code = surface_smooth(surface, NULL, surface->mobility, PASSES, threads);
     if (code == EXIT_GOOD) surface_attach(surface, &field, obstacles, reach, threads);
-    if (code == EXIT_GOOD) code = surface_smooth(surface, PASSES_AFTER, threads);
+    if (code == EXIT_GOOD)
+        code = surface_smooth(surface, NULL, surface->mobility, PASSES_AFTER, threads);
     if (code == EXIT_GOOD) surface_attach(surface, &field, obstacles, reach, threads);
     if (code == EXIT_GOOD) code = surface_make_normals(surface, &field, threads);
     if (code == EXIT_GOOD) code = surface_sharpen(surface, obstacles, rounding, gap, threads);

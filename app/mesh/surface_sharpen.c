@@ -80,7 +80,7 @@ static int smooth_lines(struct surface *surface, int threads) {
     if (code == EXIT_GOOD) {
         mark_line(surface, line);
         for (int v = 0; v < surface->vertices; v++) mobility[v] = surface->walls[v] < 2;
-        code = surface_smooth_line(surface, line, mobility, PASSES, threads);
+        code = surface_smooth(surface, line, mobility, PASSES, threads);
     }
     free(line), free(mobility);
     return code;

@@ -67,8 +67,8 @@ static void run_half_pass(void *self, int first, int last) {
     }
 }
 
-static int smooth(struct surface *surface, const bool *line, const float *mobility, int passes,
-                  int threads) {
+int surface_smooth(struct surface *surface, const bool *line, const float *mobility, int passes,
+                   int threads) {
     size_t n = (size_t)surface->vertices;
     struct ring ring = {line, calloc(n + 2, sizeof *ring.first),
                         malloc((3 * (size_t)surface->triangles + 1) * sizeof *ring.neighbour)};
@@ -83,13 +83,4 @@ static int smooth(struct surface *surface, const bool *line, const float *mobili
     }
     free(ring.first), free(ring.neighbour), free(other);
     return good ? EXIT_GOOD : report_no_memory();
-}
-
-int surface_smooth(struct surface *surface, int passes, int threads) {
-    return smooth(surface, NULL, surface->mobility, passes, threads);
-}
-
-int surface_smooth_line(struct surface *surface, const bool *line, const float *mobility,
-                        int passes, int threads) {
-    return smooth(surface, line, mobility, passes, threads);
 }
