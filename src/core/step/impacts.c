@@ -23,11 +23,6 @@ static double kept_part(const struct pdyn_sim *sim, int i, double h, const doubl
     return gained > 2.0 * changed ? fmin(kept, 2.0 * changed / gained) : kept;
 }
 
-/* End of the particles of a body, with the points of a rigid one. */
-static int end_of(const struct pdyn_sim *sim, int b) {
-    return b + 1 < sim->bodies ? sim->body[b + 1].first : sim->objective.particles;
-}
-
 /* Moves impulses (particles x 3, m/s) of a body in v from the weight h_e to the weight h_e^2 / h,
  * and adds the latter to v_before. Of every impulse, a particle gets the kept part, which is
  * written to `kept` (particles). The rest goes to the pins of the body (sim->passed_on). Without
@@ -36,10 +31,11 @@ static int end_of(const struct pdyn_sim *sim, int b) {
 static void shift_velocities(struct pdyn_sim *sim, int b, double h, const double *impulse,
                              const double *between, double lost[2][3], double *kept) {
     const struct objective *objective = &sim->objective;
+    const struct objective_body *body = &objective->body[b];
     double part = objective->h / h, *passed_on = sim->passed_on + 3 * (size_t)b;
     bool pinned = sim_pins_body(sim, b);
     memset(passed_on, 0, 3 * sizeof *passed_on);
-    for (int i = sim->body[b].first; i < end_of(sim, b); i++) {
+    for (int i = body->first; i < body->first + body->count; i++) {
         double own = kept_part(sim, i, h, impulse + 3 * i);
         double left = objective->mass[i] * (1.0 - own);
         kept[i] = pinned ? 1.0 : own;
@@ -59,8 +55,9 @@ static void find_shares(const struct pdyn_sim *sim, const double *between, doubl
     const struct objective *objective = &sim->objective;
     const struct rigid_map *map = objective->rigid;
     for (int b = 0; b < sim->bodies; b++) {
+        const struct objective_body *body = &objective->body[b];
         double free = sim_pins_body(sim, b) ? 0.0 : 1.0;
-        for (int i = sim->body[b].first; i < end_of(sim, b); i++)
+        for (int i = body->first; i < body->first + body->count; i++)
             share[i] = free * objective->mass[i] * vec3_length(between + 3 * (size_t)i);
     }
     for (int b = 0; map && b < map->bodies; b++) {
