@@ -28,8 +28,8 @@ struct batch {
     pdyn_batch view;            /* what the type sees; arrays owned here */
     void *op;                   /* operator tier: the type's state */
     struct one_sided one_sided; /* operator tier: its constraints */
-    struct surface_samples
-        *samples;    /* operator tier: vectors have their values appended; NULL: no samples */
+    /* operator tier: vectors have the values of the samples appended; NULL: no samples */
+    struct surface_samples *samples;
     double eps;      /* damping of the current linearisation */
     double energy;   /* J, at the last local step */
     double left_out; /* part of impact forces that did not change velocities in the last step. The
@@ -71,6 +71,9 @@ struct batch_def { /* what a batch is made from; all of it outlives the batch */
     const pdyn_services *services;     /* for the type's operator */
 };
 
+/* ---- creation, other parameters -------------------------------------------------------------- */
+
+/* Makes a batch: rows, or the operator of a matrix-free type. After a failure *out is NULL. */
 pdyn_status batch_create(pdyn_context *context, const struct batch_def *def, struct batch **out);
 /* Makes a second batch of the same constraint that has rows: also where its type has an operator,
  * and one by one where batch_join_rows has added them up. For assembly and tests. */
@@ -99,6 +102,8 @@ pdyn_status batch_join_rows(struct batch *batch);
  * PDYN_BAD_INPUT: the elements or their rows are others with these parameters, or a weight is not
  * valid; the batch is to be refreshed again with valid ones then. */
 pdyn_status batch_refresh(struct batch *batch);
+
+/* ---- a step: its beginning and its end ------------------------------------------------------- */
 
 /* Elements that come and go: calls the type's `update` at x and v (particles x 3; v NULL in a local
  * step), then `select`, and `weight` where the type has no `begin`. PDYN_BAD_INPUT: the type gave a
@@ -131,6 +136,8 @@ pdyn_status batch_begin(struct batch *batch, const struct step_start *start,
 /* Gives an operator new neighbour lists. */
 pdyn_status batch_neighbours(struct batch *batch, const pdyn_neighbours *neighbours);
 
+/* ---- local steps, and products with H -------------------------------------------------------- */
+
 /* Local step at x (particles x 3; with samples for an operator that has them): projects, sets
  * batch->energy, J, and adds to the gradient, N. */
 pdyn_status batch_local(struct batch *batch, const double *x, double time, double *gradient);
@@ -141,6 +148,15 @@ pdyn_status batch_linearise(struct batch *batch, double eps);
 /* y += G' B G u, B = w ((1 - eps)(I - J) + eps I) */
 void batch_apply(struct batch *batch, const double *u, double *y);
 
+/* Adds the 3 x 3 block diagonal of G' B G, packed xx xy xz yy yz zz, particles x 6. */
+void batch_diagonal(struct batch *batch, double *blocks);
+
+/* Products and diagonal without one-sided constraints: the part of H that always acts. */
+void batch_apply_remainder(struct batch *batch, const double *u, double *y);
+void batch_remainder_diagonal(struct batch *batch, double *blocks);
+
+/* ---- forces and impacts at the end of a step ------------------------------------------------- */
+
 struct velocity_change {  /* by a step of effective length h, s */
     const double *slowed; /* particles x 3: velocities before the step minus those after, m/s */
     int particles;
@@ -148,9 +164,9 @@ struct velocity_change {  /* by a step of effective length h, s */
     const struct rigid_map *rigid; /* NULL: there are no rigid bodies */
     double h;
     bool solved; /* to the tolerance of the scene */
-    const double
-        *yield;      /* particles: the part of the acceleration by one-sided forces that a particle
-                        makes, because other forces, as of pins, hold it; NULL: all of it */
+    /* particles: the part of the acceleration by one-sided forces that a particle makes, because
+     * other forces, as of pins, hold it; NULL: all of it */
+    const double *yield;
     double *scratch; /* particles x 3 */
 };
 
@@ -178,6 +194,8 @@ void batch_keep_impacts(struct batch *batch, const double *kept);
 /* Rows tier: y += G' flux */
 void batch_scatter(struct batch *batch, double *y);
 
+/* ---- what operators add to a step ------------------------------------------------------------ */
+
 /* Calls `velocity`, `limit` and `accept` of pdyn_operator, where the batch has these callbacks. For
  * batch_limit, x ends with the samples. */
 void batch_velocity(struct batch *batch, double *v);
@@ -191,18 +209,15 @@ void batch_accept(struct batch *batch, double left_out, bool solved);
 void batch_rate(struct batch *batch, const bool *which, const double *u, double *rate);
 void batch_force(struct batch *batch, const double *multiplier, double *y);
 
+/* ---- the model along a direction ------------------------------------------------------------- */
+
 /* The model along a direction u, see one_sided.h. */
 void batch_set_direction(struct batch *batch, const double *u);
 int batch_count_side_changes(struct batch *batch);
 double batch_slope(struct batch *batch, double t, double *curvature);
 void batch_step_along(struct batch *batch, double t, double *y);
 
-/* Adds the 3 x 3 block diagonal of G' B G, packed xx xy xz yy yz zz, particles x 6. */
-void batch_diagonal(struct batch *batch, double *blocks);
-
-/* Products and diagonal without one-sided constraints: the part of H that always acts. */
-void batch_apply_remainder(struct batch *batch, const double *u, double *y);
-void batch_remainder_diagonal(struct batch *batch, double *blocks);
+/* ---- what rows and types are ----------------------------------------------------------------- */
 
 /* Sets selected[i] to true for each particle i that a row selects. */
 void batch_mark_selected(const struct batch *batch, bool *selected);

@@ -89,9 +89,8 @@ struct pdyn_sim {
     struct kinematic_solids kinematic; /* the solids that move, with the last boundary points */
     struct carried *carried;           /* beside moving solids; NULL: nothing is carried */
     struct border border;              /* of the surfaces with samples that hide particles */
-    struct occlusion
-        *occlusion;         /* surfaces with samples, which hide fluid particles from each other */
-    pdyn_services services; /* functions that operators may call */
+    struct occlusion *occlusion;       /* surfaces, which hide fluid particles from each other */
+    pdyn_services services;            /* functions that operators may call */
 
     /* The program, and what it is told. */
     struct control control; /* what it changes between steps */
