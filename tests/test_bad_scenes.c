@@ -8,7 +8,7 @@
     "$schema, name, gravity, time_step, solver, bodies, solids, outlets, contact, plugins, "       \
     "boundary, kernel, probes, duration, frame_interval"
 
-/* ---- scenes --------------------------------------------------------------------------------- */
+/* ---- scenes ---------------------------------------------------------------------------------- */
 
 static const struct bad_scene bad_scenes[] = {
     /* syntax */
@@ -126,7 +126,7 @@ static void test_deep_nesting(void **state) {
     assert_failure(read_text(text, NULL, 0, &scene), &scene,
                    "scene.json:1:2049: not valid JSON: *");
 }
-/* ---- overrides ------------------------------------------------------------------------------ */
+/* ---- overrides ------------------------------------------------------------------------------- */
 
 static const struct {
     const char *set, *error;

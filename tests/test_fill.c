@@ -13,7 +13,7 @@ static void assert_volume(const struct scene_body *body, double volume, double t
         fail_msg("expected a volume of %g m^3, found %g", volume, found);
 }
 
-/* ---- spheres -------------------------------------------------------------------------------- */
+/* ---- spheres --------------------------------------------------------------------------------- */
 
 static void test_sphere(void **state) {
     (void)state;
@@ -67,7 +67,7 @@ static void test_simulation(void **state) {
     assert_int_equal(pdyn_bytes_in_use(context), 0);
 }
 
-/* ---- meshes --------------------------------------------------------------------------------- */
+/* ---- meshes ---------------------------------------------------------------------------------- */
 
 enum { AROUND = 160, TUBE = 80 };
 static const double ring = 1.0, tube = 0.4;
@@ -225,7 +225,7 @@ static void test_several_parts(void **state) {
     test_remove_file("parts.obj");
 }
 
-/* ---- overlap -------------------------------------------------------------------------------- */
+/* ---- overlap --------------------------------------------------------------------------------- */
 
 /* A box of water, 10 x 10 x 10 particles of radius 0.05 m, with these keys of its particles, a
  * solid and bodies beside it. Returns the number of particles; -1: it is refused. */

@@ -352,7 +352,7 @@ static void test_pressure(void **state) {
     pdyn_destroy(context);
 }
 
-/* ---- the operator --------------------------------------------------------------------------- */
+/* ---- the operator ---------------------------------------------------------------------------- */
 
 static pdyn_sim *load_block(pdyn_context *context) {
     pdyn_sim *sim = NULL;

@@ -28,7 +28,7 @@ static pdyn_status read_bytes(const char *name, const char *data, size_t size, s
     return status;
 }
 
-/* ---- good files ----------------------------------------------------------------------------- */
+/* ---- good files ------------------------------------------------------------------------------ */
 
 /* Every text describes the square (0,0,0) (1,0,0) (1,2,0) (0,2,0.5) as a fan of two triangles. */
 struct sample {
@@ -180,7 +180,7 @@ static void test_locale(void **state) {
     mesh_free(context, &mesh);
 }
 
-/* ---- bad files ------------------------------------------------------------------------------ */
+/* ---- bad files ------------------------------------------------------------------------------- */
 
 #define CORNERS   "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 #define FACE_LINE "3 0 1 2\n"
@@ -394,7 +394,7 @@ static void test_unreadable(void **state) {
     test_remove_file("pipe.obj");
 }
 
-/* ---- checks --------------------------------------------------------------------------------- */
+/* ---- checks ---------------------------------------------------------------------------------- */
 
 static void expect_rejected(pdyn_status (*check)(pdyn_context *, const struct mesh *, const char *),
                             const struct mesh *mesh, const char *message) {
@@ -449,7 +449,7 @@ static void test_check_cloth(void **state) {
     }
 }
 
-/* ---- no memory ------------------------------------------------------------------------------ */
+/* ---- no memory ------------------------------------------------------------------------------- */
 
 static pdyn_status read_and_build(const void *path) {
     struct mesh mesh;
@@ -482,7 +482,7 @@ static void test_no_memory(void **state) {
     assert_int_equal(test_failing_allocations(context, &counter, make_grid, NULL), 2);
 }
 
-/* ---- damaged files -------------------------------------------------------------------------- */
+/* ---- damaged files --------------------------------------------------------------------------- */
 
 /* Any file is either refused with a message or gives a mesh that passes the checks. */
 static void expect_sane(const void *what, const char *data, size_t size) {

@@ -22,7 +22,7 @@ static int set_up(void **state) {
     return scene_set_up(state);
 }
 
-/* ---- what is read --------------------------------------------------------------------------- */
+/* ---- what is read ---------------------------------------------------------------------------- */
 
 static void test_defaults(void **state) {
     (void)state;
@@ -193,7 +193,7 @@ static void test_transform(void **state) {
     test_remove_file("wall.obj");
 }
 
-/* ---- overrides ------------------------------------------------------------------------------ */
+/* ---- overrides ------------------------------------------------------------------------------- */
 
 static void test_good_overrides(void **state) {
     (void)state;
@@ -229,7 +229,7 @@ static void test_good_overrides(void **state) {
     free_good(&scene);
 }
 
-/* ---- files ---------------------------------------------------------------------------------- */
+/* ---- files ----------------------------------------------------------------------------------- */
 
 static void test_files(void **state) {
     (void)state;
@@ -280,7 +280,7 @@ static void test_shipped_scenes(void **state) {
     globfree(&found);
 }
 
-/* ---- surroundings --------------------------------------------------------------------------- */
+/* ---- surroundings ---------------------------------------------------------------------------- */
 
 static pdyn_status read_full(const void *set) {
     struct scene scene;

@@ -24,7 +24,7 @@ static int tear_down(void **state) {
     return scene_tear_down(state);
 }
 
-/* ---- words ---------------------------------------------------------------------------------- */
+/* ---- words ----------------------------------------------------------------------------------- */
 
 static void test_near_miss(void **state) {
     (void)state;
@@ -103,7 +103,7 @@ static void test_describe(void **state) {
     assert_int_equal(pdyn_describe(context, NULL, NULL, NULL), PDYN_BAD_CALL);
 }
 
-/* ---- the schema ----------------------------------------------------------------------------- */
+/* ---- the schema ------------------------------------------------------------------------------ */
 
 static const json_t *definition(const char *name) {
     const json_t *found = json_object_get(json_object_get(schema, "$defs"), name);

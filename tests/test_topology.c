@@ -20,7 +20,7 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* ---- grids ---------------------------------------------------------------------------------- */
+/* ---- grids ----------------------------------------------------------------------------------- */
 
 static double triangle_area(const struct mesh *mesh, int t, double normal[3]) {
     const double *p[3];
@@ -90,7 +90,7 @@ static void test_bad_grid(void **state) {
                     "grid: expected at most 134217727 vertices, found 100000 x 100000");
 }
 
-/* ---- topology ------------------------------------------------------------------------------- */
+/* ---- topology -------------------------------------------------------------------------------- */
 
 static void test_topology_grid(void **state) {
     (void)state;

@@ -25,7 +25,7 @@ PDYN_API pdyn_status pdyn_add_forces(pdyn_sim *sim, int first, int count, const 
 PDYN_API pdyn_status pdyn_set_gravity(pdyn_sim *sim, const double gravity[3]);
 PDYN_API void pdyn_get_gravity(const pdyn_sim *sim, double gravity[3]);
 
-/* ---- state: nothing, but the next step starts without history ------------------------------- */
+/* ---- state: nothing, but the next step starts without history -------------------------------- */
 
 /* Positions, m, or velocities, m/s, of the particles from `first`, count x 3. A body that is placed
  * anew does not pass what lies between. Of a rigid body all vertices or none: it takes the closest

@@ -30,7 +30,7 @@
 extern "C" {
 #endif
 
-/* ---- parameters: core reads, checks and documents them -------------------------------------- */
+/* ---- parameters: core reads, checks and documents them --------------------------------------- */
 
 typedef enum pdyn_param_kind {
     PDYN_REAL,     /* double */
@@ -117,7 +117,7 @@ typedef struct pdyn_param_fault {
     const char *param;   /* the parameter at fault; NULL: the constraint as a whole */
 } pdyn_param_fault;
 
-/* ---- bodies --------------------------------------------------------------------------------- */
+/* ---- bodies ---------------------------------------------------------------------------------- */
 
 typedef struct pdyn_body {
     const char *name;
@@ -210,7 +210,7 @@ typedef struct pdyn_wet_sides {
     const pdyn_wet_side *side; /* count */
 } pdyn_wet_sides;
 
-/* ---- rows tier ------------------------------------------------------------------------------ */
+/* ---- rows tier ------------------------------------------------------------------------------- */
 
 typedef struct pdyn_batch { /* one constraint type on one body; core owns all arrays */
     const pdyn_body *body;
@@ -367,7 +367,7 @@ typedef struct pdyn_operator {
     void (*set_params)(void *self, const void *params);
 } pdyn_operator;
 
-/* ---- the constraint table ------------------------------------------------------------------- */
+/* ---- the constraint table -------------------------------------------------------------------- */
 
 enum {                              /* pdyn_constraint_type.flags */
        PDYN_ANCHORED = 1,           /* its forces on particles do not sum to zero (pins); not needed

@@ -71,7 +71,7 @@ double trial_distance(const double *a, const double *b, int n);
 bool trial_differ(const double *a, const double *b, int n, double tolerance);
 double trial_random(uint64_t *seed); /* in [-1, 1) */
 
-/* ---- the checks --------------------------------------------- */
+/* ---- the checks ------------------------------------------------------------------------------ */
 
 typedef void check_fn(struct check *check, struct trial *trial);
 

@@ -47,7 +47,7 @@ bool trial_differ(const double *a, const double *b, int n, double tolerance) {
     return !(trial_distance(a, b, n) <= tolerance * trial_norm(b, n));
 }
 
-/* ---- the text of a scene -------------------------------------------------------------- */
+/* ---- the text of a scene --------------------------------------------------------------------- */
 
 /* A required parameter gets 10 clamped to its bounds, others their default. */
 static double value_for(const pdyn_param *p) {

@@ -122,7 +122,7 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
     return false;
 }
 
-/* ---- callbacks ------------------------------------------------------------------------- */
+/* ---- callbacks ------------------------------------------------------------------------------- */
 
 /* Within a step E is a function of x with an exact gradient: k_i and C^n are constant. Volumes of
  * samples follow the areas of their triangles (fluid_local.c). */

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- words -------------------------------------------------------------------------------- */
+/* ---- words ----------------------------------------------------------------------------------- */
 
 bool scan_at_end(const struct scan *scan) { return scan->at == scan->data + scan->size; }
 
@@ -44,7 +44,7 @@ bool word_number(struct word word, double *value) {
     return end == word.text + word.length;
 }
 
-/* ---- bytes -------------------------------------------------------------------------------- */
+/* ---- bytes ----------------------------------------------------------------------------------- */
 
 uint64_t scan_bits(const char *at, size_t size, bool big) {
     uint64_t bits = 0;
@@ -65,7 +65,7 @@ double scan_double(uint64_t bits) {
     return value;
 }
 
-/* ---- errors ------------------------------------------------------------------------------- */
+/* ---- errors ---------------------------------------------------------------------------------- */
 
 pdyn_status scan_fail(const struct scan *scan, const char *format, ...) {
     char text[512];
@@ -90,7 +90,7 @@ pdyn_status scan_expected(const struct scan *scan, const char *what, struct word
                      scan->binary || scan_at_end(scan) ? "file" : "line");
 }
 
-/* ---- the file ----------------------------------------------------------------------------- */
+/* ---- the file -------------------------------------------------------------------------------- */
 
 pdyn_status scan_load(struct scan *scan) {
     pdyn_status status = file_load(scan->context, scan->path, &scan->data, &scan->size);

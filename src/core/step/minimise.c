@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- failures ---------------------------------------------------------------------------- */
+/* ---- failures -------------------------------------------------------------------------------- */
 
 static pdyn_status fail_not_finite(const struct pdyn_sim *sim, const char *what,
                                    const struct batch *b) {
@@ -52,7 +52,7 @@ static pdyn_status check_tangents(struct pdyn_sim *sim) {
     return PDYN_OK;
 }
 
-/* ---- one iteration ----------------------------------------------------------------------- */
+/* ---- one iteration --------------------------------------------------------------------------- */
 
 /* Levenberg-Marquardt: more damping after a step that was shortened, less after a whole one.
  *
