@@ -141,6 +141,44 @@ static void test_solids(void **state) {
     assert_int_equal(leaks(rising, "lift", 12), DUST_COUNT);
 }
 
+/* A hinge: the side x > 0 of a sheet swings from (1, 0) to `side`, x and y, while a particle goes
+ * from `begin` to `end`, near the middle of the sheet in z. Returns how many particles passed. */
+static long passed_hinge(const double side[2], const double begin[2], const double end[2]) {
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        SCENE(WEIGHTLESS,
+              PAIR("{'name': 'dust', 'particles': {'radius': 0.01, 'fill': [{'box': {'minimum': "
+                   "[0, 0.5, 0.1], 'maximum': [0.02, 0.52, 0.12]}}]}, 'constraints': []}",
+                   GRID_SHEET("'name': 'sheet', ", "2, 2", "3, 3", "'area_density': 0.2",
+                              SPRINGS("100"))),
+              ""));
+    assert_int_equal(sim->body[0].count, 1);
+    double *x = sim->x, *x_next = sim->x_next;
+    for (int i = 0; i < 3 * sim->objective.particles; i++) x_next[i] = x[i];
+    for (int a = 0; a < 2; a++) {
+        x[a] = begin[a], x_next[a] = end[a];
+        for (int i = 1; i < sim->objective.particles; i++)
+            if (x[3 * i] > 0.5) x_next[3 * i + a] = side[a];
+    }
+    crossings_step(sim, 0.01);
+    long passed = crossings_total(sim);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return passed;
+}
+
+/* The plane of a triangle turns within a step. The particle meets it at another time than the ratio
+ * of the distances at both ends says: then beside the triangle, or in it. It may also meet the
+ * plane twice, beside the triangle and in it. */
+static void test_hinge(void **state) {
+    (void)state;
+    double side[3][2] = {{-0.9, -0.9}, {0, 0.9}, {1.4, -1.5}};
+    double begin[3][2] = {{-0.6, -0.7}, {-0.7, 0.1}, {1.9, -0.1}};
+    double end[3][2] = {{1.0, -1.0}, {0.3, 0.4}, {-1.5, -0.5}};
+    for (int k = 0; k < 3; k++) assert_int_equal(passed_hinge(side[k], begin[k], end[k]), k > 0);
+}
+
 /* A sheet that falls through a plane passes it; one that is pinned in the plane and moves by a
  * thousandth of its edges does not. */
 static void test_cloth(void **state) {
@@ -719,6 +757,7 @@ int main(void) {
         cmocka_unit_test(test_two_sheets),
         cmocka_unit_test(test_long_name),
         cmocka_unit_test(test_solids),
+        cmocka_unit_test(test_hinge),
         cmocka_unit_test(test_cloth),
         cmocka_unit_test(test_overlap),
         cmocka_unit_test(test_stretched),

@@ -4,6 +4,8 @@
 
 #include "projdyn/vec3.h"
 
+#include <math.h>
+
 /* The plane's corners and normal at time t of the step, 0 to 1; returns the distance of the
  * particle, times the length of the normal. */
 static double plane_at(const struct crossing_path *path, int k, double t, double corner[3][3],
@@ -21,9 +23,8 @@ static double plane_at(const struct crossing_path *path, int k, double t, double
     return vec3_dot(r, n);
 }
 
-/* Width of the border of a triangle, relative to its size. The plane turns within a step, so the
- * time at which a particle meets it is not exact. */
-static const double border = 1e-3;
+/* Width of the border of a triangle, relative to its size: above rounding. */
+static const double border = 1e-6;
 
 /* Inside or on the border: a particle that passes through the common edge of two
  * triangles passes both in the same direction, which counts once. */
@@ -77,21 +78,51 @@ static int direction_of(double begin, double end, double slack) {
     return begin <= slack && end > slack;
 }
 
-static void test_triangle(void *user, int k) {
-    struct crossing_path *path = user;
+/* Cuts the step into parts in which the distance only rises or only falls. It is a cubic of time,
+ * as the plane turns. Returns the number of cuts: the first is 0, the last is 1. */
+static int cut_step(const struct crossing_path *path, int k, double cut[4]) {
+    double corner[3][3], n[3], f[4];
+    for (int i = 0; i < 4; i++) f[i] = plane_at(path, k, i / 3.0, corner, n);
+    /* By differences: the derivative is a u^2 + b u + c with u = 3 t. */
+    double d1 = f[1] - f[0], d2 = f[2] - 2.0 * f[1] + f[0], d3 = f[3] - f[0] + 3.0 * (f[1] - f[2]);
+    double a = 0.5 * d3, b = d2 - d3, c = d1 - 0.5 * d2 + d3 / 3.0;
+    double q = -0.5 * (b + copysign(sqrt(fmax(0.0, b * b - 4.0 * a * c)), b));
+    double t[2] = {fmin(q / a, c / q) / 3.0, fmax(q / a, c / q) / 3.0};
+    int count = 0;
+    cut[count++] = 0.0;
+    for (int i = 0; i < 2; i++)
+        if (t[i] > cut[count - 1] && t[i] < 1.0) cut[count++] = t[i];
+    cut[count++] = 1.0;
+    return count;
+}
+
+enum { HALVINGS = 40 };
+
+/* Tests a part of the step, in which the particle passes the plane at most once: bisection. */
+static void test_part(struct crossing_path *path, int k, double from, double to) {
     double corner[3][3], n[3], x[3];
     int surface = path->set->surface[k];
-    if (surface < path->first_surface) return;
-    double begin = plane_at(path, k, 0.0, corner, n), end = plane_at(path, k, 1.0, corner, n);
+    double begin = plane_at(path, k, from, corner, n), end = plane_at(path, k, to, corner, n);
     double slack = path->slack * vec3_length(n);
     int direction = direction_of(begin, end, slack);
     if (!direction) return;
-    double t = (begin - direction * slack) / (begin - end);
-    plane_at(path, k, t, corner, n);
-    for (int a = 0; a < 3; a++) x[a] = (1.0 - t) * path->begin[a] + t * path->end[a];
-    if (!is_inside(x, corner, n) || is_on_border(path, k, t, x)) return;
+    for (int round = 0; round < HALVINGS; round++) {
+        double t = 0.5 * (from + to);
+        *(direction * plane_at(path, k, t, corner, n) > slack ? &to : &from) = t;
+    }
+    plane_at(path, k, to, corner, n);
+    for (int a = 0; a < 3; a++) x[a] = (1.0 - to) * path->begin[a] + to * path->end[a];
+    if (!is_inside(x, corner, n) || is_on_border(path, k, to, x)) return;
     if (!path->direction) path->surface = surface;
     if (surface == path->surface) path->direction += direction;
+}
+
+static void test_triangle(void *user, int k) {
+    struct crossing_path *path = user;
+    double cut[4];
+    if (path->set->surface[k] < path->first_surface) return;
+    int cuts = cut_step(path, k, cut);
+    for (int i = 1; i < cuts; i++) test_part(path, k, cut[i - 1], cut[i]);
 }
 
 void crossing_path_test(struct crossing_path *path, const struct swept_triangles *set) {

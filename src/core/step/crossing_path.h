@@ -1,9 +1,9 @@
 /* The first surface that the straight path of a particle in a step passes.
  *
  *     begin          end            The particle passes a triangle where its distance to the
- *       o             |             triangle's plane changes its sign between the two ends of the
- *     --+-----> ------+---          step, at a point inside the triangle. Both move in straight
- *                     o             lines. */
+ *       o             |             triangle's plane changes its sign, at a point inside the
+ *     --+-----> ------+---          triangle. Both move in straight lines, so the distance is a
+ *                     o             cubic of time and may change its sign up to three times. */
 #ifndef PDYN_CROSSING_PATH_H
 #define PDYN_CROSSING_PATH_H
 
