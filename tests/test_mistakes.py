@@ -130,6 +130,9 @@ MISTAKES = [
             "times as long as all solids; lengths are in metres"),
     Mistake("water in millimetres", change(("bodies.1", None), ("contact", None), ("bodies.0.particles", {"radius": 20, "fill": [
         {"box": {"minimum": [-200, 0, -200], "maximum": [200, 120, 200]}}]})), "times the length of all solids; lengths are in metres [scale]"),
+    Mistake("places of a map", change(("solids.0.box", {"minimum": [49999.8, 0, -0.2], "maximum": [50000.2, 0.4, 0.2]}),
+                                      ("bodies.0.particles.fill.0.box", {"minimum": [49999.8, 0, -0.2], "maximum": [50000.2, 0.12, 0.2]}), *WATER_ONLY),
+            "water: frames have coordinates to 0.003 m at 50000.2 m from the origin, its particles are 0.04 m apart: move the scene to the origin [scale]"),
     Mistake("particles that do not fit the edges of their box", change(("bodies.0.particles.radius", 0.0167), *WATER_ONLY),
             "fill 70.4 % of a box of 0.4 x 0.12 x 0.4 m; particles of radius 0.02 m fill 100 %"),
     Mistake("a solid mesh in millimetres", change(("solids.0", HUGE), ("bodies.0", None)), "scan: it is 1e+03 m long"),

@@ -689,6 +689,20 @@ static void test_weightless(void **state) {
     assert_false(warns(SCENE(WEIGHTLESS, RAFT, ""), "too-light", "sheet"));
 }
 
+#define WATER_AT(x0, x1) FLUID_BOX("'name': 'far', ", "0.01", x0 ", 0, 0", x1 ", 0.1, 0.1", "")
+#define SHEET_FAR(x)                                                                               \
+    GRID_SHEET("'name': 'far', ", "0.16, 0.16", "9, 9",                                            \
+               "'area_density': 0.2, 'translate': [0, 0, " x "]", SPRINGS("100"))
+
+/* Frames round coordinates to 2^-24 of their size: more than a hundredth of 20 mm from 3.4 km. */
+static void test_far(void **state) {
+    (void)state;
+    assert_true(warns(SCENE(STEPS, WATER_AT("-4000.1", "-4000"), ""), "scale", "far"));
+    assert_false(warns(SCENE(STEPS, WATER_AT("-3000.1", "-3000"), ""), "scale", "far"));
+    assert_true(warns(SCENE(STEPS, SHEET_FAR("4000"), ""), "scale", "far"));
+    assert_false(warns(SCENE(STEPS, SHEET_FAR("3000"), ""), "scale", "far"));
+}
+
 #define LAYERS(overlap, body)                                                                      \
     PAIR("{'name': 'water', 'particles': {'radius': 0.01, " overlap "'fill': [{'box': "            \
          "{'minimum': [-0.06, -0.06, -0.06], 'maximum': [0.06, 0.06, 0.06]}}]}, "                  \
@@ -778,6 +792,7 @@ int main(void) {
         cmocka_unit_test(test_without_elements),
         cmocka_unit_test(test_no_stiffness),
         cmocka_unit_test(test_weightless),
+        cmocka_unit_test(test_far),
         cmocka_unit_test(test_room),
         cmocka_unit_test(test_room_above),
         cmocka_unit_test(test_room_by_kind),

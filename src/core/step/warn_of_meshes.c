@@ -1,6 +1,7 @@
 /* Warnings about the scale of bodies and solids, and about meshes: thin triangles, coarse
  * tetrahedra, and edges beside the contact thickness. */
 #include "extent.h"
+#include "live_particles.h"
 #include "sim.h"
 #include "warn.h"
 
@@ -10,6 +11,8 @@
 static const double min_extent = 2e-3, max_extent = 500.0; /* m */
 static const double max_times = 10.0;  /* extent of a body over that of all solids */
 static const double min_filled = 0.85; /* of the volume of a mesh, by tetrahedra */
+/* Rounding of coordinates in frames, over the spacing of particles or the mean edge. */
+static const double max_rounding = 0.01;
 /* Height of a triangle over its longest side. */
 static const double min_thinness = 0.01;
 /* Contact thickness of a rigid body, in mean edge lengths; pairs grow with its square. */
@@ -53,6 +56,22 @@ static void check_scale_of_fluid(struct pdyn_sim *sim, int b) {
             sim, SCALE, body->name,
             "its particles take %.3g m, %.2g times the length of all solids; lengths are in metres",
             extent, times);
+}
+
+/* Frames hold coordinates as floats, which are rounded by up to 2^-24 of their size. */
+static void check_distance(struct pdyn_sim *sim, int b) {
+    const pdyn_body *body = &sim->body[b];
+    bool particles = body_is_particles(body);
+    double distance = 0.0, size = particles ? 2.0 * body->radius : warn_mean_edge(body);
+    for (int i = body->first; i < body->first + body->count; i++)
+        for (int a = 0; a < 3 && particle_is_live(sim, i); a++)
+            distance = fmax(distance, fabs(sim->x[3 * (size_t)i + (size_t)a]));
+    if (size == 0.0 || distance * 0x1p-24 <= max_rounding * size) return;
+    WARN(sim, SCALE, body->name,
+         "frames have coordinates to %.2g m at %.6g m from the origin, its %s %.2g m %s: move the "
+         "scene to the origin",
+         distance * 0x1p-24, distance, particles ? "particles are" : "edges have", size,
+         particles ? "apart" : "on average");
 }
 
 static void check_scale_of_solids(struct pdyn_sim *sim) {
@@ -131,6 +150,7 @@ void warn_of_meshes(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++) {
         check_scale(sim, b);
         check_scale_of_fluid(sim, b);
+        check_distance(sim, b);
         check_slivers(sim, b);
         check_filled(sim, b);
         check_thickness(sim, b);
