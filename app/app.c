@@ -55,11 +55,13 @@ bool parse_frames(const char *text, long *first, long *last) {
     return false;
 }
 
-bool parse_seconds(const char *option, const char *text, double *time) {
+bool parse_seconds(const char *option, const char *text, double longest, double *time) {
     char *end;
     *time = strtod(text, &end);
-    if (!*end && end != text && isfinite(*time) && *time > 0.0) return true;
-    fprintf(stderr, "projdyn: %s: found \"%s\", expected seconds above 0\n", option, text);
+    if (!*end && end != text && isfinite(*time) && *time > 0.0 && *time <= longest) return true;
+    fprintf(stderr, "projdyn: %s: found \"%s\", expected seconds above 0", option, text);
+    if (isfinite(longest)) fprintf(stderr, ", at most %.9g", longest);
+    fputc('\n', stderr);
     return false;
 }
 

@@ -36,8 +36,11 @@ int parse_options(int argc, char **argv, const char *letters, const struct optio
 /* Parses the integer argument of an option, min <= *out <= max; false with a message otherwise. */
 bool parse_integer(const char *option, const char *text, long min, long max, long *out);
 
-/* Parses the argument of an option, a time above 0 in s; false with a message otherwise. */
-bool parse_seconds(const char *option, const char *text, double *time);
+/* Longest duration of a scene, s (schema/scene.schema.json). */
+#define LONGEST_DURATION 1e6
+/* Parses the argument of an option, a time above 0 and at most `longest` (or INFINITY) in s; false
+ * with a message otherwise. */
+bool parse_seconds(const char *option, const char *text, double longest, double *time);
 /* Parses the argument A:B of --frames; false with a message otherwise. */
 bool parse_frames(const char *text, long *first, long *last);
 /* Writes the shortest text that gives the same number. */

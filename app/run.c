@@ -65,7 +65,7 @@ static void on_signal(int number) {
 
 static bool parse_wall_time(struct run_options *o, const char *text) {
     double start = wall_seconds();
-    if (!parse_seconds("--wall-time", text, &o->wall_limit)) return false;
+    if (!parse_seconds("--wall-time", text, INFINITY, &o->wall_limit)) return false;
     o->wall_limit += start;
     return true;
 }
@@ -97,7 +97,7 @@ static bool accept_option(void *self, int option) {
     case 'S':
         return parse_save(o, optarg);
     case 'T':
-        return parse_seconds("--time", optarg, &o->given_end);
+        return parse_seconds("--time", optarg, LONGEST_DURATION, &o->given_end);
     case 'W':
         return parse_wall_time(o, optarg);
     default:

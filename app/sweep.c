@@ -46,7 +46,7 @@ struct sweep {
 static bool accept_time(struct sweep *s, const char *text) {
     double time;
     char number[32], axis[64];
-    if (!parse_seconds("--time", text, &time)) return false;
+    if (!parse_seconds("--time", text, LONGEST_DURATION, &time)) return false;
     print_shortest(number, time);
     snprintf(axis, sizeof axis, "duration=%s", number);
     return parameter_grid_add(&s->grid, axis);

@@ -278,6 +278,8 @@ for signal in TERM USR1; do
     stop_run "$dir/now$signal" $signal --set frame_interval=50
     expect "$signal waits for no frame" 1 "" grep _000001 "$dir/now$signal/water.vtk.series"
 done
+expect "--time above the longest scene" 2 '--time: found "1e99", expected seconds above 0, at most 1000000' \
+    "$program" run "$scene" --time 1e99
 expect "--wall-time that is no time" 2 "expected seconds above 0" "$program" run "$scene" --wall-time soon
 stop_run "$dir/twice" "INT INT" --set frame_interval=50
 expect "second interrupt" 0 "130" echo $ended

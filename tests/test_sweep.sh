@@ -89,6 +89,7 @@ brief() { "$program" sweep "$scene" --time "$1" --set solver.tolerance=0.1,0.2 -
 check "a time" brief 0.015
 check "is that of all runs" test "$(grep -c '^0.015,.*,good,' brief/sweep.csv)" = 2
 check "a wrong time" ends 2 '--time: found "0.01,1", expected seconds above 0' brief 0.01,1
+check "a time above the longest scene" ends 2 '--time: found "1e99", expected seconds above 0, at most 1000000' brief 1e99
 
 # Probes: mean, maximum and impulse, also where the runs have different probes.
 cat >probes.json <<EOF
