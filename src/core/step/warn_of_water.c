@@ -10,8 +10,9 @@
 /* Mean edge lengths of meshes in fluid, in particle spacings (docs/results/interface.md). */
 static const double min_edge = 0.25, max_edge = 8.0;
 /* Shares of the mass of a layer of particles: a sheet below the first stays on the water, a body
- * that exceeds its water by less than the second is not let down by it. */
+ * that exceeds its water by the second or less is not let down by it. */
 static const double light_share = 0.02, sinking_share = 0.5;
+static const double rounding = 1e-9; /* relative error of lengths that a scene gives in decimals */
 /* Width of a strip that flows around, in particle spacings. */
 static const double narrow = 2.0;
 
@@ -71,6 +72,7 @@ static double excess_of(const struct pdyn_sim *sim, int b, double rest_density) 
 static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     const struct scene_body *body = &sim->scene.body[b];
     double spacing = 2.0 * fluid->radius, layer = fluid->rest_density * spacing;
+    double half = (1.0 + rounding) * sinking_share * layer;
     double excess = excess_of(sim, b, fluid->rest_density);
     bool sheet = body->area_density > 0.0;
     if (body_is_particles(&sim->body[b]) || sim->body[b].permeability > 0.0) return;
@@ -79,18 +81,20 @@ static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     if (sheet && body->area_density < light_share * layer)
         WARN(sim, LIGHT, body->name,
              "its %.3g kg/m^2 are %.2g of a layer of particles %.3g m apart: it stays on the "
-             "water, and its steps need many iterations; with `permeability` it sinks",
-             body->area_density, body->area_density / layer, spacing);
+             "\"%s\", "
+             "and its steps need many iterations; with `permeability` it sinks",
+             body->area_density, body->area_density / layer, spacing, fluid->name);
     else if (sheet && excess < 0.0)
         WARN(sim, LIGHT, body->name,
-             "its %.3g kg/m^2 are less than the water of its contact thickness of %.3g m: it "
-             "floats; with `permeability` it sinks",
-             body->area_density, sim->scene.contact.thickness);
-    else if (excess > 0.0 && excess < sinking_share * layer && (!sheet || is_dry(sim, b, fluid)))
+             "its %.3g kg/m^2 are less than the \"%s\" in its contact thickness of %.3g m: it "
+             "floats; "
+             "with `permeability` it sinks",
+             body->area_density, fluid->name, sim->scene.contact.thickness);
+    else if (excess > 0.0 && excess <= half && (!sheet || is_dry(sim, b, fluid)))
         WARN(sim, LIGHT, body->name,
-             "it is heavier than the water it displaces by %.3g kg/m^2, less than half a layer of "
+             "it is %.3g kg/m^2 heavier than the \"%s\" that it displaces, at most half a layer of "
              "particles (%.3g kg/m^2): it floats or sinks too slowly; smaller particles%s",
-             excess, sinking_share * layer, sheet ? ", or `permeability`" : "");
+             excess, fluid->name, half, sheet ? ", or `permeability`" : "");
 }
 
 static void check_edges(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
