@@ -140,6 +140,14 @@ expect "check tells vectors" 0 "velocity (8, 0, 2) m/s" "$program" check "$root/
 expect "check tells gravity" 0 "gravity (0, -9.81, 0) m/s^2" "$program" check "$scene"
 expect "check tells the bounds of solids" 0 "solid tank: from (" "$program" check "$scene"
 expect "check says the memory" 0 " MB" "$program" check "$scene"
+# Compares the size of a frame, by `check`, with that of the files of one.
+disk_of_frames() {
+    "$program" run "$scene" --time 0.02 -o "$dir/disk" --quiet || return
+    size=$(cat "$dir"/disk/*_000000.vtk | wc -c)
+    "$program" check "$scene" | awk -v size="$size" '/^disk/ && $3 == "MB:" {
+        off = 1e6 * $9 / size - 1; print $4, (off * off < 1e-4 ? "frames of that size" : "frames, wrong by " off) }'
+}
+expect "check says the disk that frames take" 0 "11 frames of that size" disk_of_frames
 expect "check tells the stiffness of a fluid" 0 "elements, stiffness 141701 N/m, compression 0.001" "$program" check "$scene"
 expect "check computes it from the speed of sound" 0 "stiffness 1699.36 N/m" "$program" check "$scene" \
     --set bodies.water.constraints.fluid.sound_speed=10
