@@ -86,9 +86,9 @@ static pdyn_status list_sides(struct listing *l) {
 }
 
 pdyn_status border_create(pdyn_context *context, int bodies, const pdyn_body *body,
-                          const double *rest, double spacing, struct border *out) {
+                          const double *rest, double width, struct border *out) {
     struct listing l = {.border = out, .bodies = bodies, .body = body, .rest = rest};
-    out->context = context, out->width = 0.5 * spacing;
+    out->context = context, out->width = width;
     for (int b = 0; b < bodies; b++) out->triangles += hiding_triangles(&body[b]);
     if (!out->triangles) return PDYN_OK;
     out->start = NEW_ARRAY(context, out->triangles + 1, int);

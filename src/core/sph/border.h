@@ -8,7 +8,7 @@
 
 struct border {
     pdyn_context *context;
-    double width;  /* m, of the strip: half a particle spacing */
+    double width;  /* m, of the strip */
     int triangles; /* of all bodies that hide, in order */
     int *start;    /* triangles + 1: the first side of each triangle's list */
     int sides;     /* of all lists */
@@ -21,9 +21,9 @@ static inline int hiding_triangles(const pdyn_body *body) {
 }
 
 /* Lists, for each triangle, the sides of its body's border whose strip it meets at rest. rest: of
- * the system, m; spacing: of the fluid's particles, m. *out must be 0. */
+ * the system, m; width: of the strip, m. *out must be 0. */
 pdyn_status border_create(pdyn_context *context, int bodies, const pdyn_body *body,
-                          const double *rest, double spacing, struct border *out);
+                          const double *rest, double width, struct border *out);
 void border_free(struct border *border);
 
 /* Distance of `at`, a point of the triangle, to the border, m, at most the width of the strip. x:

@@ -11,6 +11,7 @@ struct boundary_model {
     double grid, mesh_spacing; /* spacing of points on a box, see struct face_grid, and on a mesh,
                                 * see sample_triangles */
     double outside;            /* distance of points behind the faces of a box */
+    double strip;              /* width of the strip beside borders (border.h) */
     bool volumes; /* points have volumes 1 / sum W (Akinci et al. 2012) and the kernel of particles,
                    * with the first of the kernels; false: points on meshes have areas and the
                    * surface kernel, those on boxes the volumes of the kernel (kernel.h) */

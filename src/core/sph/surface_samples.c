@@ -254,7 +254,7 @@ static pdyn_status fill(struct surface_samples *s, int bodies, const pdyn_body *
                                   s->rest_area + first, s->rest_volume + first);
         for (int k = first; body[b].permeability > 0.0 && k < first + points[b].count; k++)
             s->rest_volume[k] *= open_share;
-        if (hiding_triangles(&body[b]) && !sampling->model->volumes)
+        if (hiding_triangles(&body[b]) && sampling->border->width > 0.0)
             reduce_beside_border(s, sampling->border, triangle, rest, &points[b], first);
     }
     if (status != PDYN_OK) return status;

@@ -91,8 +91,8 @@ pdyn_status lists_create(struct pdyn_sim *sim) {
         .thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0};
     pdyn_status status = solid_points_sample(sim, spacing);
     if (status == PDYN_OK)
-        status =
-            border_create(sim->context, sim->bodies, sim->body, sim->rest, spacing, &sim->border);
+        status = border_create(sim->context, sim->bodies, sim->body, sim->rest,
+                               sampling.model->strip * spacing, &sim->border);
     if (status == PDYN_OK)
         status = samples_create(sim->context, sim->bodies, sim->body, sim->objective.particles,
                                 sim->rest, &sampling, &sim->objective.samples);
