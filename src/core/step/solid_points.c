@@ -48,6 +48,7 @@ pdyn_status solid_points_sample(struct pdyn_sim *sim, double spacing) {
 static pdyn_status published_volumes(struct pdyn_sim *sim, int first, int count, double spacing,
                                      double *volume) {
     const struct kernel_model *kernel = sim->scene.settings.kernel;
+    if (!count) return PDYN_OK;
     return point_volumes(sim->context, count, sim->boundary.at.x + 3 * (size_t)first, kernel,
                          kernel->support * spacing, volume + first);
 }
