@@ -36,13 +36,12 @@ static void add_side(void *user, int triangle) {
 static void visit_side(struct listing *l, const pdyn_body *body, int k,
                        void (*visit)(void *user, int triangle)) {
     const int *corner = body->triangle + k / 3 * 3;
-    double width = l->border->width;
     struct box box = box_empty;
     for (int m = 0; m < 2; m++) {
         l->end[m] = body->first + corner[(k + 1 + m) % 3];
         box_add(&box, l->rest + 3 * (size_t)l->end[m]);
     }
-    for (int a = 0; a < 3; a++) box.min[a] -= width, box.max[a] += width;
+    box_grow(&box, l->border->width);
     bvh_visit(&l->tree, &box, 0, visit, l);
 }
 

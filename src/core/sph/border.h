@@ -26,6 +26,11 @@ pdyn_status border_create(pdyn_context *context, int bodies, const pdyn_body *bo
                           const double *rest, double width, struct border *out);
 void border_free(struct border *border);
 
+/* Whether the triangle has sides in its list. */
+static inline bool border_is_near(const struct border *border, int triangle) {
+    return border->start[triangle + 1] > border->start[triangle];
+}
+
 /* Distance of `at`, a point of the triangle, to the border, m, at most the width of the strip. x:
  * positions of the system, m. */
 double border_distance(const struct border *border, int triangle, const double *x,

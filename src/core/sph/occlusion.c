@@ -133,12 +133,13 @@ static bool segment_meets_triangle(const double d[3], double c[3][3]) {
 /* Whether the segment from 0 to d, which meets triangle `id`, c, does so beside a border. */
 static bool goes_around(const struct query *q, int id, const double d[3], double c[3][3]) {
     const struct border *border = q->occlusion->border;
+    int triangle = q->occlusion->near_triangle[id];
     double n[3], at[3];
+    if (!border_is_near(border, triangle)) return false;
     vec3_normal(n, c[0], c[1], c[2]);
     double part = vec3_dot(n, c[0]) / vec3_dot(n, d);
     for (int a = 0; a < 3; a++) at[a] = q->from[a] + part * d[a];
-    return border_distance(border, q->occlusion->near_triangle[id], q->occlusion->x, at) <
-           border->width;
+    return border_distance(border, triangle, q->occlusion->x, at) < border->width;
 }
 
 static void test_blocking(void *user, int id) {

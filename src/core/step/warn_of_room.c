@@ -72,10 +72,8 @@ pdyn_status warn_of_room(struct pdyn_sim *sim, int body) {
     if (worst.pressed)
         WARN(sim, TOO_CLOSE, fluid->name,
              "%d of %d particles beside \"%s\" start closer to it than they rest: with \"contact\" "
-             "it "
-             "has a thickness, and pushes them off; leave %.3g m between the surface and the "
-             "volumes "
-             "of `fill`",
+             "it has a thickness, and pushes them off; leave %.3g m between the surface and the "
+             "volumes of `fill`",
              worst.pressed, worst.count, worst.surface, farther * spacing);
     return status;
 }

@@ -81,14 +81,12 @@ static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     if (sheet && body->area_density < light_share * layer)
         WARN(sim, LIGHT, body->name,
              "its %.3g kg/m^2 are %.2g of a layer of particles %.3g m apart: it stays on the "
-             "\"%s\", "
-             "and its steps need many iterations; with `permeability` it sinks",
+             "\"%s\", and its steps need many iterations; with `permeability` it sinks",
              body->area_density, body->area_density / layer, spacing, fluid->name);
     else if (sheet && excess < 0.0)
         WARN(sim, LIGHT, body->name,
              "its %.3g kg/m^2 are less than the \"%s\" in its contact thickness of %.3g m: it "
-             "floats; "
-             "with `permeability` it sinks",
+             "floats; with `permeability` it sinks",
              body->area_density, fluid->name, sim->scene.contact.thickness);
     else if (excess > 0.0 && excess <= half && (!sheet || is_dry(sim, b, fluid)))
         WARN(sim, LIGHT, body->name,
