@@ -24,7 +24,7 @@ static const pdyn_param params[] = {
     {"length", PDYN_REAL, offsetof(struct params, length), false, 1, 0, 1e3, "1",
      "of a spring at rest, over the distance at the start; 0 pulls together, as a seam"},
     {"damping", PDYN_REAL, offsetof(struct params, damping), false, 0, 0, 1e6, "s",
-     "force grows with change of length + damping x rate of change"},
+     "force = stiffness (change of length + damping x its rate)"},
     {0}};
 
 enum { WIDTH = 4 }; /* entries of a row: the vertex, the three corners of the triangle */

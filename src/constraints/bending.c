@@ -24,7 +24,7 @@ static const pdyn_param params[] = {
     {"bending_rigidity", PDYN_REAL, offsetof(struct params, bending_rigidity), true, 0, 0, 1e12,
      "N m", "bending moment per width and curvature of the sheet"},
     {"damping", PDYN_REAL, offsetof(struct params, damping), false, 0, 0, 1e6, "s",
-     "moment grows with curvature + damping x rate of curvature"},
+     "moment = rigidity (curvature + damping x rate of curvature)"},
     {0}};
 
 static int elements(const void *par, const pdyn_body *body) {

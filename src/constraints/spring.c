@@ -20,7 +20,7 @@ static const pdyn_param params[] = {
     {"stretching_stiffness", PDYN_REAL, offsetof(struct params, stretching_stiffness), true, 0, 0,
      1e12, "N/m", "tension per strain of the sheet: Young's modulus times thickness"},
     {"damping", PDYN_REAL, offsetof(struct params, damping), false, 0, 0, 1e6, "s",
-     "stress grows with strain + damping x rate of strain"},
+     "stress = stiffness (strain + damping x rate of strain)"},
     {0}};
 
 static int elements(const void *par, const pdyn_body *body) {

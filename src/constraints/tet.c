@@ -21,19 +21,19 @@ struct params {
 
 static const pdyn_param params[] = {
     {"stiffness", PDYN_REAL, offsetof(struct params, stiffness), true, 0, 0, 1e12, "Pa",
-     "twice the shear modulus; without volume_stiffness Young's modulus: stress per strain"},
+     "twice the shear modulus; without volume_stiffness also Young's modulus: stress per strain"},
     {"volume_stiffness", PDYN_REAL, offsetof(struct params, volume_stiffness), false, 0, 0, 1e12,
-     "Pa", "three times Lame's first parameter: how much more a change of volume is resisted"},
+     "Pa", "additional resistance to a change of volume, three times Lame's first parameter"},
     {"shortest", PDYN_REAL, offsetof(struct params, shortest), false, 1, 0, 1, "1",
-     "principal stretch down to which nothing resists"},
+     "principal stretch below which the solid resists compression"},
     {"longest", PDYN_REAL, offsetof(struct params, longest), false, 1, 1, 1e3, "1",
-     "principal stretch up to which nothing resists"},
+     "principal stretch above which the solid resists tension"},
     {"smallest", PDYN_REAL, offsetof(struct params, smallest), false, 1, 0.01, 1, "1",
-     "part of its volume down to which that resists nothing"},
+     "volume over that at rest, below which it resists compression"},
     {"largest", PDYN_REAL, offsetof(struct params, largest), false, 1, 1, 100, "1",
-     "multiple of its volume up to which that resists nothing"},
+     "volume over that at rest, above which it resists expansion"},
     {"damping", PDYN_REAL, offsetof(struct params, damping), false, 0, 0, 1e6, "s",
-     "stress grows with strain + damping x rate of strain"},
+     "stress = stiffness (strain + damping x rate of strain)"},
     {0}};
 
 struct target {             /* bounds of the singular values of u */

@@ -24,7 +24,7 @@ static const pdyn_param params[] = {
     {"longest", PDYN_REAL, offsetof(struct params, longest), false, 1, 1, 1e3, "1",
      "length over that at rest, above which the sheet resists tension"},
     {"damping", PDYN_REAL, offsetof(struct params, damping), false, 0, 0, 1e6, "s",
-     "stress grows with strain + damping x rate of strain"},
+     "stress = stiffness (strain + damping x rate of strain)"},
     {0}};
 
 struct range { /* bounds of the two principal stretches times sqrt(A), m */
