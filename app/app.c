@@ -30,6 +30,10 @@ int parse_options(int argc, char **argv, const char *letters, const struct optio
             fputs(usage, stdout);
             return EXIT_GOOD;
         }
+        if (option == '?') {
+            fprintf(stderr, "'projdyn help %s' prints the options.\n", argv[0]);
+            return EXIT_BAD_INPUT;
+        }
         errno = 0;
         if (!accept(self, option)) return errno == ENOMEM ? EXIT_FAILED : EXIT_BAD_INPUT;
     }

@@ -112,6 +112,7 @@ expect "run without a fluid" 0 "s of wall time, residual " "$program" run "$root
     --time 0.04 -o "$dir/cloth"
 expect "help of an unknown command" 2 'did you mean "check"' "$program" help chekc
 expect "unknown option" 2 "projdyn: unrecognized option '--frobnicate'" "$program" run "$scene" --frobnicate
+expect "unknown option: where options are" 2 "'projdyn help run' prints the options" "$program" run "$scene" --frobnicate
 expect "threads that are no number" 2 "from 1 to 1024" "$program" run "$scene" --threads two
 expect "negative time" 2 "seconds above 0" "$program" run "$scene" --time -1
 for time in 0 nan inf 1s ''; do

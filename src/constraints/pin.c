@@ -23,7 +23,7 @@ static const pdyn_param params[] = {
     {"turn", PDYN_PATH, offsetof(struct params, turn), false, 0, 0, 0, "degrees",
      "turns of the targets over time, about x, then y, then z, through the pivot"},
     {"pivot", PDYN_VECTOR, offsetof(struct params, pivot), false, 0, -1e6, 1e6, "m",
-     "what the targets turn about, before they are displaced"},
+     "centre of the turns; the targets are turned first, then displaced"},
     {0}};
 
 static int elements(const void *par, const pdyn_body *body) {
