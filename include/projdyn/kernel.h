@@ -43,7 +43,7 @@ static inline struct kernel kernel_make(const struct kernel_model *model, double
                            .slope = model->slope * value / (support * support)};
 }
 
-/* W(r), 1/m^3; zero for r >= H. */
+/* W(r), 1/m^3; zero from the support on. */
 static inline double kernel_value(const struct kernel *k, double r) {
     double q = r * k->inverse, rest = 1.0 - q;
     if (q >= 1.0) return 0.0;

@@ -156,16 +156,17 @@ typedef struct pdyn_contact {
     uint64_t key;          /* names the two primitives; the same in every step */
     int particle[4];       /* in the system; an arbitrary one where coefficient is 0 */
     double coefficient[4]; /* 0 for a point of a solid */
-    double offset[3];      /* m: what points of solids add to the shortest vector */
+    double offset[3];      /* m: part of the shortest vector by points of solids */
     double separation[3];  /* m: the shortest vector when the contact was found */
     double side[3];        /* m: a side of the second primitive, which turns with it */
-    double shift[3];       /* m: what solids that move add to it in this step; 0 in a local step */
-    double force;          /* N: its mean normal force in the step before, with its share of the
-                              dashpots of rigid bodies; 0 where it is new, and in a local step */
-    double distance;       /* m: its length, below the thickness */
-    double thickness;      /* m: the distance at which contact begins */
-    double share;          /* of the stiffness, up to 1; less for nearly parallel edges, whose
-                              vertices touch faces in the same place */
+    double shift[3]; /* m: change of the shortest vector by moving solids in this step; 0 in a local
+                        step */
+    double force;    /* N: mean normal force of the contact in the step before, with its share of
+                        the dashpots of rigid bodies; 0 for a new contact, and in a local step */
+    double distance; /* m: length of the shortest vector, below the thickness */
+    double thickness; /* m: the distance at which contact begins */
+    double share;     /* of the stiffness, up to 1; less for nearly parallel edges, whose
+                         vertices touch faces in the same place */
 } pdyn_contact;
 
 /* A dashpot across the contacts of a rigid body with another one or a solid, of the beginning of
@@ -612,7 +613,7 @@ typedef struct pdyn_global_solver {
 
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
-/* Moves when one of the tables here changes its layout. */
+/* Version of these tables: raised when the layout of one of them changes. */
 #define PDYN_ABI 19u
 
 typedef struct pdyn_plugin {
