@@ -222,8 +222,8 @@ void lintearia(pdyn_context *context, const char *directory, double seconds, int
     FILE *csv = open_csv(directory, "lintearia");
     fprintf(csv, "spacing,area,exact_x,exact_y,x,y\n");
     printf("| water, m^2 | depth, m | T, N/m | spacing, mm | particles | sag over the exact one | "
-           "RMS, of "
-           "the span | kinetic energy over its peak |\n|---|---|---|---|---|---|---|---|---|\n");
+           "RMS at the start, of the span | RMS at the end | kinetic energy over its peak "
+           "|\n|---|---|---|---|---|---|---|---|---|\n");
     for (size_t a = 0; a < sizeof areas / sizeof *areas; a++) {
         solve(&exact, areas[a]);
         for (int k = 0; k < count; k++)
