@@ -1,8 +1,8 @@
 #!/bin/sh
 # Runs the commands of the documents against an installed library: every ```sh block of README.md
 # and docs/, one document after the other; then the indented `projdyn` commands, shortened; then
-# doxygen for the reference. Checks first that every relative link of a document leads to a file, and
-# that the constraint of README.md builds and passes the conformance check, and that the guide explains
+# doxygen for the reference. Checks first the form of the documents (check_documents.py), that the
+# constraint of README.md builds and passes the conformance check, and that the guide explains
 # every warning and lists every scene.
 # Arguments: the build folder, the source folder.
 set -eu
@@ -19,14 +19,8 @@ cd "$dir/tree"
 
 documents="README.md $(find docs -name '*.md' | LC_ALL=C sort)"
 
-# Relative links, without their anchors, lead to files or folders of the source.
-for document in $documents; do
-    folder=$root/$(dirname "$document")
-    grep -o ']([^)#]*[)#]' "$document" | sed 's/^](//; s/[)#]$//' | grep -v '^$' | grep -v '^http' | while read -r link; do
-        [ -e "$folder/$link" ] || { echo "not ok $document: no file $link"; exit 1; }
-    done
-done
-echo "ok links"
+/usr/bin/python3 "$root/tests/check_documents.py" "$root" >said || { echo "not ok the form of documents:"; cat said; exit 1; }
+echo "ok links, tables, lines"
 
 # The guide explains every warning.
 for code in $(sed -n 's/^ *X([A-Z_]*, "\([a-z-]*\)").*/\1/p' "$root/src/core/base/warnings.h"); do
