@@ -224,9 +224,6 @@ static void print(const struct row *r, int n, double stiffness) {
            r->linear);
 }
 
-/* Classic Projective Dynamics, after 10, 20 and 40 iterations. */
-enum { WAYS = 3 };
-static const char *const ways[WAYS] = {"projective", "chebyshev", "anderson"};
 /* The newton step with the two-level preconditioner and with block Jacobi, until these errors. */
 static const char *const newton_solver[] = {"hybrid", "cg"};
 static const char *const newton_method[2][3] = {
@@ -240,22 +237,20 @@ static pdyn_sim *load_newton(pdyn_context *context, int n, double stiffness, con
     return load(context, n, stiffness, settings);
 }
 
-static pdyn_sim *load_classic(pdyn_context *context, int n, double stiffness, const char *way) {
+static pdyn_sim *load_classic(pdyn_context *context, int n, double stiffness) {
     char settings[256];
     snprintf(settings, sizeof settings,
-             "\"tolerance\": 0, \"step\": \"projective\", \"outer_iterations\": %d, "
-             "\"acceleration\": \"%s\"",
-             4 * ITERATIONS, way == ways[0] ? "none" : way);
+             "\"tolerance\": 0, \"step\": \"projective\", \"outer_iterations\": %d",
+             4 * ITERATIONS);
     return load(context, n, stiffness, settings);
 }
 
 static void one_step(pdyn_context *context, int n, double stiffness, int repeat) {
     pdyn_sim *state = load(context, n, stiffness, "\"tolerance\": 1e-3, \"outer_iterations\": 200");
-    pdyn_sim *classic[WAYS], *solvers[2], *newton;
-    struct row row[2 + 6 + 3 * WAYS] = {{0}};
+    pdyn_sim *classic = load_classic(context, n, stiffness), *solvers[2], *newton;
+    struct row row[2 + 6 + 3] = {{0}};
     for (int q = 0; q < 2; q++) solvers[q] = load_newton(context, n, stiffness, newton_solver[q]);
     newton = solvers[0];
-    for (int q = 0; q < WAYS; q++) classic[q] = load_classic(context, n, stiffness, ways[q]);
     struct trace t = {.size = 3 * newton->objective.particles};
     double *best = allocate((size_t)t.size, sizeof *best);
     for (int k = 0; k < FALL; k++) step(context, state);
@@ -279,19 +274,16 @@ static void one_step(pdyn_context *context, int n, double stiffness, int repeat)
             if (q % 3 == 0) trace_step(context, solvers[q / 3], state, &t);
             keep(&row[2 + q], newton_method[q / 3][q % 3], reached(&t, pow(0.1, q % 3 + 1)));
         }
-        for (int q = 0; q < WAYS; q++) {
-            trace_step(context, classic[q], state, &t);
-            for (int m = 0; k && m < 3; m++) { /* the first one factored */
-                int at = ITERATIONS << m;
-                keep(&row[8 + 3 * q + m], ways[q], &t.point[at < t.points ? at : t.points - 1]);
-            }
+        trace_step(context, classic, state, &t);
+        for (int m = 0; k && m < 3; m++) { /* the first one factored; after 10, 20, 40 iterations */
+            int at = ITERATIONS << m;
+            keep(&row[8 + m], "projective", &t.point[at < t.points ? at : t.points - 1]);
         }
     }
     for (size_t q = 0; q < sizeof row / sizeof *row; q++) print(&row[q], n, stiffness);
     plain_free(plain[0]), plain_free(plain[1]);
     free(best);
-    pdyn_free(state), pdyn_free(solvers[0]), pdyn_free(solvers[1]);
-    for (int q = 0; q < WAYS; q++) pdyn_free(classic[q]);
+    pdyn_free(state), pdyn_free(solvers[0]), pdyn_free(solvers[1]), pdyn_free(classic);
 }
 
 /* ---- a run ----------------------------------------------------------------------------------- */

@@ -288,8 +288,6 @@ class Scene:
         solver = {"step": r.choice(["newton", "newton", "projective"]), "type": r.choice(["auto"] + SOLVERS),
                   "tolerance": 0 if r.random() < 0.03 else log_uniform(r, 1e-5, 10),
                   "linear_tolerance": log_uniform(r, 1e-4, 0.1), "retries": r.choice([0, 4, 4, 4])}
-        if solver["step"] == "projective":
-            solver["acceleration"] = r.choice(["none", "chebyshev", "anderson"])
         outer, linear = r.choice([1, 2, 5, 20, 100]), r.choice([1, 10, 100, 500])
         if "contact" in self.json:
             outer = max(1, min(outer, CONTACT_WORK // int(self.steps * self.points)))

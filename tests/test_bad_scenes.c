@@ -73,13 +73,10 @@ static const struct bad_scene bad_scenes[] = {
      "scene.json:2:21: solver.type: unknown solver \"hybird\"; did you mean "
      "\"hybrid\"?; known: auto, *"},
     {TOP("'solver': null"),
-     "scene.json:2:12: solver: expected an object {type, step, acceleration, tolerance, "
+     "scene.json:2:12: solver: expected an object {type, step, tolerance, "
      "outer_iterations, linear_tolerance, linear_iterations, retries}, found null"},
     {TOP("'solver': {'type': 1}"),
      "scene.json:2:21: solver.type: expected the name of a solver, found 1"},
-    {TOP("'solver': {'acceleration': 'anderson'}"),
-     "scene.json:2:29: solver.acceleration: only \"step\": \"projective\" is accelerated, found "
-     "\"newton\""},
     {TOP("'boundary': 'points', 'kernel': 'wendland'"),
      "scene.json:2:34: kernel: this kernel needs \"boundary\": \"surface\""},
     {TOP("'kernel': 'cubic'"),
@@ -101,7 +98,7 @@ static const struct bad_scene bad_scenes[] = {
      "scene.json:2:33: solver.linear_tolerance: expected a number from 0 to 0.9, found 1"},
     {TOP("'solver': {'iterations': 2}"),
      "scene.json:2:13: solver: unknown key \"iterations\"; did you mean "
-     "\"linear_iterations\"?; known: type, step, acceleration, tolerance, outer_iterations, "
+     "\"linear_iterations\"?; known: type, step, tolerance, outer_iterations, "
      "linear_tolerance, linear_iterations, retries"},
     /* contact */
     {"{'duration': 1, 'bodies': [" SHEET("") "],\n 'contact': {}}",
@@ -153,7 +150,7 @@ static const struct {
      "object nor an array"},
     {"solver.typ=cg",
      "--set solver.typ=cg: solver: unknown key \"typ\"; did you mean \"type\"?; known: "
-     "type, step, acceleration, tolerance, outer_iterations, linear_tolerance, linear_iterations, "
+     "type, step, tolerance, outer_iterations, linear_tolerance, linear_iterations, "
      "retries"},
     {"solvr.type=cg",
      "--set solvr.type=cg: unknown key \"solvr\"; did you mean \"solver\"?; known: " SCENE_KEYS},

@@ -190,7 +190,7 @@ static void test_schema(void **state) {
     (void)state;
     check_table(schema, settings_general_params, 13);
     check_table(definition("time_step"), settings_time_step_params, 1);
-    check_table(definition("solver"), settings_solver_params, 3);
+    check_table(definition("solver"), settings_solver_params, 2);
     check_table(definition("motion_key"), scene_key_params, 0);
     check_table(definition("contact"), scene_contact_params, 0);
     for (const pdyn_constraint_type *const *t = registry_builtin.constraints; *t; t++) {

@@ -11,10 +11,9 @@ struct choices {
     int count;
 };
 
-extern const struct choices boundary_choices;     /* struct boundary_model (boundary.c) */
-extern const struct choices kernel_choices;       /* struct kernel_model (kernels.c) */
-extern const struct choices integrator_choices;   /* struct integrator (integrator.c) */
-extern const struct choices acceleration_choices; /* struct acceleration_type (accelerate.c) */
+extern const struct choices boundary_choices;   /* struct boundary_model (boundary.c) */
+extern const struct choices kernel_choices;     /* struct kernel_model (kernels.c) */
+extern const struct choices integrator_choices; /* struct integrator (integrator.c) */
 
 static inline const void *choices_entry(const struct choices *choices, int k) {
     return (const char *)choices->entry + (size_t)k * choices->size;

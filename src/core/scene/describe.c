@@ -124,16 +124,14 @@ static void describe_constraint(const struct sink *to, const pdyn_constraint_typ
     if (type->flags & PDYN_ON_PARTICLES) line(to, "\nworks on a body of particles\n");
 }
 
-/* Describes a solver with the keys of the scene's "solver" object. "type", "step" and
- * "acceleration" are names, not numbers, and are in no table. */
+/* Describes a solver with the keys of the scene's "solver" object. "type" and "step"
+ * are names, not numbers, and are in no table. */
 static void describe_solver(const struct sink *to, const pdyn_global_solver *type) {
     heading(to, "solver", type->name, type->summary);
     row(to, "type", "", "\"auto\"", "\"auto\" or the name of a solver",
         "\"auto\": chosen for the scene");
     row(to, "step", "", "\"newton\"", "\"newton\" or \"projective\"",
         "with the constraints' tangents, or classic Projective Dynamics");
-    row(to, "acceleration", "", "\"none\"", "\"none\", \"chebyshev\" or \"anderson\"",
-        "of the projective step");
     table(to, settings_solver_params);
 }
 

@@ -174,7 +174,6 @@ struct scene_contact {
 
 extern const pdyn_param scene_contact_params[]; /* ends with a NULL name */
 
-struct acceleration_type;
 struct integrator;
 
 struct scene_settings { /* "time_step", "solver" and general values of a scene */
@@ -194,8 +193,7 @@ struct scene_settings { /* "time_step", "solver" and general values of a scene *
     double linear_tolerance; /* relative residual |r| / |r_0| at which a linear solve ends */
     int linear_iterations;   /* largest number per linear solve */
     bool newton;             /* true: "step": "newton"; false: "projective" */
-    const struct acceleration_type *acceleration; /* of the projective step */
-    char solver_type[32];                         /* "auto" or the name of a registered solver */
+    char solver_type[32];    /* "auto" or the name of a registered solver */
 };
 
 struct scene {

@@ -111,17 +111,6 @@ static pdyn_status read_time_step(struct reader *r, const struct json_at *at) {
                      settings->h_min, settings->h_max);
 }
 
-static pdyn_status read_acceleration(const struct json_at *solver,
-                                     struct scene_settings *settings) {
-    struct json_at at = json_member(solver, "acceleration");
-    const void *chosen;
-    pdyn_status status = read_named(solver, "acceleration", &acceleration_choices, &chosen);
-    settings->acceleration = chosen;
-    if (status == PDYN_OK && settings->newton && chosen != choices_entry(&acceleration_choices, 0))
-        return json_fail(&at, "only \"step\": \"projective\" is accelerated, found \"newton\"");
-    return status;
-}
-
 static pdyn_status check_built(const pdyn_context *context, const struct json_at *type) {
     const char *name = json_string_value(type->value), *library = registry_absent(context, name);
     if (!library) return PDYN_OK;
@@ -129,9 +118,8 @@ static pdyn_status check_built(const pdyn_context *context, const struct json_at
 }
 
 static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
-    static const char *const others[] = {"type", "step", "acceleration", NULL}, *const steps[] = {
-                                                                                    "newton",
-                                                                                    "projective"};
+    static const char *const others[] = {"type", "step", NULL}, *const steps[] = {"newton",
+                                                                                  "projective"};
     const char *types[READER_NAMES] = {"auto"};
     struct json_at type = json_member(at, "type"), step = json_member(at, "step");
     struct scene_settings *settings = &r->scene->settings;
@@ -146,7 +134,7 @@ static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
     if (status == PDYN_OK) status = reader_choice(&step, "step", steps, 2, &chosen_step);
     settings->newton = chosen_step == 0;
     snprintf(settings->solver_type, sizeof settings->solver_type, "%s", types[chosen_type]);
-    return status == PDYN_OK ? read_acceleration(at, settings) : status;
+    return status;
 }
 
 static pdyn_status read_kernel(const struct json_at *root, struct scene_settings *settings) {

@@ -49,9 +49,6 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status != PDYN_OK) return status;
     sim->floor = extent_floor(sim);
     status = warn_of_scene(sim);
-    if (status != PDYN_OK) return status;
-    status =
-        acceleration_create(&sim->acceleration, sim->scene.settings.acceleration, &sim->objective);
     return status == PDYN_OK ? schedule_start(sim) : status;
 }
 
@@ -73,7 +70,6 @@ pdyn_status pdyn_scene_load(pdyn_scene *scene, pdyn_sim **out) {
 void pdyn_free(pdyn_sim *sim) {
     if (!sim) return;
     pdyn_context *context = sim->context;
-    acceleration_free(&sim->acceleration);
     carried_free(sim);
     solver_choice_free(sim);
     batches_free(sim);

@@ -33,7 +33,6 @@ bool control_has_particles(const struct pdyn_sim *sim, int first, int count) {
 static pdyn_status make_solvers(struct pdyn_sim *sim) {
     pdyn_status status = solver_choice_create(sim);
     sim->objective.weights_revision++;
-    acceleration_start(&sim->acceleration);
     return status;
 }
 

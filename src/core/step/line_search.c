@@ -6,14 +6,12 @@
 #include "iterate.h"
 
 #include <math.h>
-#include <string.h>
 
 struct rule {         /* conditions under which a step along the direction is accepted */
     double bound;     /* J: the energy must be below it, */
     double armijo;    /* by this part of the slope (Armijo constant) */
     double curvature; /* Wolfe constant: |slope after| <= curvature x |slope before| where the slope
                          is positive; 0 disables. The last try need not satisfy it */
-    int tries;        /* backtracking steps at most */
 };
 
 /* Displacements of rigid bodies from x_next become those to rigid positions. */
@@ -105,7 +103,7 @@ static pdyn_status backtrack(struct pdyn_sim *sim, const struct rule *rule, doub
     double trial, least = objective->contact || sim->max_step ? 0.0 : 1.0;
     *step = (struct line_step){.length = 1.0,
                                .slope = objective_dot(objective, sim->gradient, sim->direction)};
-    for (int k = 1; k <= rule->tries;
+    for (int k = 1; k <= BACKTRACKS;
          k++, step->length = iterate_shorter_part(step->length, least)) {
         double slope = step->slope;
         pdyn_status status = set_trial(sim, step->length, &least, &slope);
@@ -113,7 +111,7 @@ static pdyn_status backtrack(struct pdyn_sim *sim, const struct rule *rule, doub
             status = objective_local(objective, sim->trial, &trial, sim->trial_gradient);
         if (status != PDYN_OK) return status;
         step->slope_after = objective_dot(objective, sim->trial_gradient, sim->direction);
-        if (is_accepted(rule, step, trial, slope, step->length <= least, k == rule->tries)) {
+        if (is_accepted(rule, step, trial, slope, step->length <= least, k == BACKTRACKS)) {
             iterate_accept_trial(sim);
             *energy = trial;
             return PDYN_OK;
@@ -123,11 +121,9 @@ static pdyn_status backtrack(struct pdyn_sim *sim, const struct rule *rule, doub
     return PDYN_OK;
 }
 
-/* A line search along the direction. */
-static pdyn_status descend(struct pdyn_sim *sim, double highest, double *energy,
-                           struct line_step *step) {
-    struct rule rule = {
-        .bound = *energy, .armijo = armijo_part, .curvature = wolfe_part, .tries = BACKTRACKS};
+pdyn_status line_search(struct pdyn_sim *sim, double highest, double *energy,
+                        struct line_step *step) {
+    struct rule rule = {.bound = *energy, .armijo = armijo_part, .curvature = wolfe_part};
     if (sim->solver->dual) rule.bound = highest, rule.armijo = rule.curvature = 0.0;
     pdyn_status status = backtrack(sim, &rule, energy, step);
     if (status != PDYN_OK) return status;
@@ -135,19 +131,4 @@ static pdyn_status descend(struct pdyn_sim *sim, double highest, double *energy,
         return objective_local(&sim->objective, sim->x_next, energy, sim->gradient);
     bool may_lengthen = sim->scene.settings.newton && !sim->solver->dual;
     return may_lengthen ? lengthen(sim, energy, step) : PDYN_OK;
-}
-
-/* Takes the point that the acceleration (Anderson, Chebyshev) proposes, if E is lower there;
- * otherwise searches along the direction. */
-pdyn_status line_search(struct pdyn_sim *sim, double highest, double *energy,
-                        struct line_step *step) {
-    struct acceleration *a = &sim->acceleration;
-    pdyn_status status = PDYN_OK;
-    if (!acceleration_propose(a, sim->x_next, sim->direction))
-        return descend(sim, highest, energy, step);
-    status = backtrack(sim, &(struct rule){.bound = *energy, .tries = 1}, energy, step);
-    if (status != PDYN_OK || step->length > 0.0) return status;
-    acceleration_start(a);
-    memcpy(sim->direction, a->plain, objective_bytes(&sim->objective));
-    return descend(sim, highest, energy, step);
 }

@@ -175,7 +175,6 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
     pdyn_status status = start_point(sim, &p->energy);
     sim->eps = damping_at_start(sim);
     p->energy_before = p->energy;
-    acceleration_start(&sim->acceleration);
     while (status == PDYN_OK) {
         p->residual = objective_residual(&sim->objective, sim->gradient);
         if (!isfinite(p->energy) || !isfinite(p->residual)) return fail_local(sim);

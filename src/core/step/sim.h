@@ -3,7 +3,6 @@
 #ifndef PDYN_SIM_H
 #define PDYN_SIM_H
 
-#include "accelerate.h"
 #include "base/body.h"
 #include "base/context.h"
 #include "base/warnings.h"
@@ -67,7 +66,6 @@ struct pdyn_sim {
     struct solver_choice choice;
     const pdyn_global_solver *solver; /* the one in use */
     void *solver_state;
-    struct acceleration acceleration;
 
     /* Forces of the last step. */
     bool forces_known; /* its last local step belongs to the state: forces can be computed */
