@@ -41,8 +41,8 @@ pdyn_status batch_begin(struct batch *b, const struct step_start *start,
     if (b->op && b->type->matrix_free->begin) b->type->matrix_free->begin(b->op, step->length);
     if (b->type->update && !updates_always(b)) status = batch_update(b, start->x, start->v);
     if (status != PDYN_OK) return status;
-    if (b->damper) rows_begin_damper(b, start->x, start->x_before);
-    else if (b->type->begin) rows_begin(b, start->x_base, start->v_base);
+    if (b->damper) rows_begin_damper(b, start);
+    else if (b->type->begin) rows_begin(b, start);
     return PDYN_OK;
 }
 

@@ -76,10 +76,17 @@ static void project_rows(void *arg, int first, int last, int block) {
 
 double rows_project(struct batch *b, const double *x) {
     double energy = 0.0;
-    rows_for(b, b->view.elements, b->grain, project_rows, x, NULL, 0.0);
+    rows_for_elements(b, project_rows, x);
     for (int k = 0; k < pool_blocks(b->view.elements, b->grain); k++) energy += b->partial[k];
     return energy;
 }
+
+/* ---- the beginning of a step ----------------------------------------------------------------- */
+
+struct begin { /* the arguments of a parallel loop */
+    struct batch *batch;
+    const struct step_start *start;
+};
 
 /* u and the rest shape of a damper's elements [first, last) at x. */
 static void set_rest_at(struct batch *b, int first, int last, const double *x) {
@@ -93,58 +100,55 @@ static double extrapolate(double value, double before, double part) {
     return next * value > 0.0 ? next : 0.0;
 }
 
-/* in: x; out: x of the step before; number: extrapolation of the integrator. Rest shapes are
- * extrapolated, not positions: the extrapolated positions of a rotating element are too long, and a
- * stiff damper would give them energy in every step. */
+/* Rest shapes are extrapolated, not positions: the extrapolated positions of a rotating element are
+ * too long, and a stiff damper would give them energy in every step. */
 static void set_damper_rest(void *arg, int first, int last, int block) {
     (void)block;
-    const struct row_loop *c = arg;
+    const struct begin *c = arg;
     struct batch *b = c->batch;
-    double before[DAMPED_DATA_MAX], part = c->number;
+    double before[DAMPED_DATA_MAX], part = b->view.extrapolation;
     int size = (int)(b->type->data_size / sizeof *before),
         step = DAMPED_DATA_MAX / (size > 0 ? size : 1);
     for (int e = first, end; e < last; e = end) {
         end = last - e > step ? e + step : last;
         double *data = (double *)b->view.data + (size_t)e * (size_t)size;
         int numbers = (end - e) * size;
-        if (part > 0.0) set_rest_at(b, e, end, c->out);
+        if (part > 0.0) set_rest_at(b, e, end, c->start->x_before);
         memcpy(before, data, (size_t)numbers * sizeof *before);
-        set_rest_at(b, e, end, c->in);
+        set_rest_at(b, e, end, c->start->x);
         for (int k = 0; part > 0.0 && k < numbers; k++)
             data[k] = extrapolate(data[k], before[k], part);
     }
 }
 
-/* number: effective length of the step */
 static void weigh_damper(void *arg, int first, int last, int block) {
     (void)block;
-    const struct row_loop *c = arg;
-    struct batch *b = c->batch;
-    double part = b->type->damping(b->params) / c->number;
+    struct batch *b = arg;
+    double part = b->type->damping(b->params) / b->view.h;
     rows_weigh(b, first, last);
     for (int e = first; e < last; e++) b->view.weight[e] *= part;
 }
 
-/* in: x; out: v */
 static void begin_rows(void *arg, int first, int last, int block) {
     (void)block;
-    const struct row_loop *c = arg;
+    const struct begin *c = arg;
     struct batch *b = c->batch;
     int row = b->view.element_row[first], end = b->view.element_row[last];
-    gather_rows(b, row, end, c->out);
+    gather_rows(b, row, end, c->start->v_base);
     memcpy(b->view.p + 3 * (size_t)row, b->view.u + 3 * (size_t)row,
            3 * (size_t)(end - row) * sizeof(double));
-    gather_rows(b, row, end, c->in);
+    gather_rows(b, row, end, c->start->x_base);
     b->type->begin(b->params, &b->view, first, last);
     rows_weigh(b, first, last);
 }
 
-void rows_begin_damper(struct batch *b, const double *x, const double *before) {
-    rows_for(b, b->view.elements, b->grain, set_damper_rest, x, (double *)before,
-             b->view.extrapolation);
-    rows_for(b, b->view.elements, b->grain, weigh_damper, NULL, NULL, b->view.h);
+void rows_begin_damper(struct batch *b, const struct step_start *start) {
+    struct pool *pool = b->context->pool;
+    pool_for(pool, b->view.elements, b->grain, set_damper_rest, &(struct begin){b, start});
+    pool_for(pool, b->view.elements, b->grain, weigh_damper, b);
 }
 
-void rows_begin(struct batch *b, const double *x, const double *v) {
-    rows_for(b, b->view.elements, b->grain, begin_rows, x, (double *)v, 0.0);
+void rows_begin(struct batch *b, const struct step_start *start) {
+    struct pool *pool = b->context->pool;
+    pool_for(pool, b->view.elements, b->grain, begin_rows, &(struct begin){b, start});
 }

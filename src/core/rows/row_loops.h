@@ -16,21 +16,21 @@ enum {
 
 struct row_loop { /* the arguments of a parallel loop */
     struct batch *batch;
-    const double *in;
-    double *out;
-    double number; /* eps, or the length of a step */
+    const double *in; /* of a loop over elements: particles x 3 */
+    double *out;      /* of a loop over particles: particles x 3, or x 6 */
 };
 
-static inline void rows_for(struct batch *batch, int count, int grain, pdyn_range_fn *fn,
-                            const double *in, double *out, double number) {
-    struct row_loop loop = {batch, in, out, number};
-    pool_for(batch->context->pool, count, grain, fn, &loop);
+/* Calls fn for all elements. */
+static inline void rows_for_elements(struct batch *batch, pdyn_range_fn *fn, const double *in) {
+    struct row_loop loop = {.batch = batch, .in = in};
+    pool_for(batch->context->pool, batch->view.elements, batch->grain, fn, &loop);
 }
 
 /* Calls fn for all particles that rows may select. */
 static inline void rows_for_particles(struct batch *batch, pdyn_range_fn *fn, double *out) {
+    struct row_loop loop = {.batch = batch, .out = out};
     int count = batch->touch_count, blocks = batch->entries / ROWS_ENTRIES + count / ROWS_ENTRIES;
-    rows_for(batch, count, count / (blocks + 1) + 1, fn, NULL, out, 0.0);
+    pool_for(batch->context->pool, count, count / (blocks + 1) + 1, fn, &loop);
 }
 
 /* u = sum over `width` entries from k on */
@@ -52,10 +52,10 @@ INLINE void gather_row(const struct batch *b, int r, const double *x, v4 *u) {
 
 /* row_local.c: u, p and the flux w (u - p) of all rows at x. Returns their energy, J. */
 double rows_project(struct batch *batch, const double *x);
-/* Rest shape and weights of a damper in a step from x; before: x of the step before, NULL: none. */
-void rows_begin_damper(struct batch *batch, const double *x, const double *before);
-/* Begins a step at x and v: weights of a type with `begin`. */
-void rows_begin(struct batch *batch, const double *x, const double *v);
+/* A step begins: rest shapes and weights of a damper; `begin` of a type that has it, and weights.
+ */
+void rows_begin_damper(struct batch *batch, const struct step_start *start);
+void rows_begin(struct batch *batch, const struct step_start *start);
 
 /* row_tangent.c: B of all elements at the last local step, for the eps of the batch. */
 pdyn_status rows_linearise(struct batch *batch);

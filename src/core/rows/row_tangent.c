@@ -24,14 +24,13 @@ WIDE static void damp_blocks(struct batch *b, int first, int last, double eps) {
 
 static void linearise_rows(void *arg, int first, int last, int block) {
     (void)block;
-    const struct row_loop *c = arg;
-    struct batch *b = c->batch;
+    struct batch *b = arg;
     for (int e = first, end; e < last; e = end) {
         end = last - e > ROWS_PIECE ? e + ROWS_PIECE : last;
         double *J = b->block + b->block_start[e];
         memset(J, 0, (b->block_start[end] - b->block_start[e]) * sizeof *J);
         b->type->tangent(b->params, &b->view, e, end, J);
-        damp_blocks(b, e, end, c->number);
+        damp_blocks(b, e, end, b->eps);
     }
 }
 
@@ -59,20 +58,18 @@ static void damp_wide(struct batch *b, int first, int last, double eps) {
 
 static void linearise_numeric(void *arg, int first, int last, int block) {
     (void)block;
-    const struct row_loop *c = arg;
-    struct batch *b = c->batch;
+    struct batch *b = arg;
     for (int e = first; e < last; e++) tangent_numeric(b, e, b->block + b->block_start[e]);
-    damp_blocks(b, first, last, c->number);
+    damp_blocks(b, first, last, b->eps);
 }
 
 static void linearise_axes(void *arg, int first, int last, int block) {
     (void)block;
-    const struct row_loop *c = arg;
-    struct batch *b = c->batch;
+    struct batch *b = arg;
     for (int e = first, end; e < last; e = end) {
         end = last - e > ROWS_PIECE ? e + ROWS_PIECE : last;
         b->type->tangent_rank1(b->params, &b->view, e, end, b->block + b->block_start[e]);
-        (b->wide ? damp_wide : damp_axes)(b, e, end, c->number);
+        (b->wide ? damp_wide : damp_axes)(b, e, end, b->eps);
     }
 }
 
@@ -82,11 +79,11 @@ pdyn_status rows_linearise(struct batch *b) {
     if (!batch_has_blocks(b) || !b->rows) return PDYN_OK;
     if (!b->block) b->block = NEW_ARRAY(b->context, batch_block_numbers(b), double);
     if (!b->block) return PDYN_NO_MEMORY;
-    if (b->type->flags & PDYN_NUMERIC_TANGENT)
-        rows_for(b, b->view.elements, NUMERIC_GRAIN, linearise_numeric, NULL, NULL, b->eps);
-    else
-        rows_for(b, b->view.elements, b->grain,
-                 b->type->tangent_rank1 ? linearise_axes : linearise_rows, NULL, NULL, b->eps);
+    bool numeric = b->type->flags & PDYN_NUMERIC_TANGENT;
+    pdyn_range_fn *linearise = numeric                  ? linearise_numeric
+                               : b->type->tangent_rank1 ? linearise_axes
+                                                        : linearise_rows;
+    pool_for(b->context->pool, b->view.elements, numeric ? NUMERIC_GRAIN : b->grain, linearise, b);
     return PDYN_OK;
 }
 
@@ -169,9 +166,7 @@ static pdyn_range_fn *apply_of(const struct batch *b) {
     return b->wide ? apply_wide : apply_axes;
 }
 
-void rows_multiply(struct batch *b, const double *u) {
-    rows_for(b, b->view.elements, b->grain, apply_of(b), u, NULL, 0.0);
-}
+void rows_multiply(struct batch *b, const double *u) { rows_for_elements(b, apply_of(b), u); }
 
 /* The part of m m' + a I between two rows with the parts m and n of m; a: 0 unless they are the
  * same. */
