@@ -33,6 +33,14 @@ static inline double *skyline_row(const struct skyline *s, int i, int p) {
     return s->value + 9 * s->start[i] + (size_t)p * 3 * (size_t)(i - s->first[i] + 1);
 }
 
+/* Block (i, j), j from first[i] to i: its index in the order of the blocks; its row p. */
+static inline size_t skyline_block(const struct skyline *s, int i, int j) {
+    return s->start[i] + (size_t)(j - s->first[i]);
+}
+static inline double *skyline_block_row(const struct skyline *s, int i, int j, int p) {
+    return skyline_row(s, i, p) + 3 * (j - s->first[i]);
+}
+
 /* Replaces A by its Cholesky factor L, with the inverse of L's diagonal. false: A is not positive
  * definite; the inverse is 0 for pivots that are not positive. */
 bool skyline_factor(struct skyline *skyline);

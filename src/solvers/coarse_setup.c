@@ -138,10 +138,6 @@ static pdyn_status create_pattern(struct coarse_space *s) {
 
 /* ---- contributions to A ---------------------------------------------------------------------- */
 
-static size_t block_of(const struct coarse_space *s, int i, int j) {
-    return s->a.start[i] + (size_t)(j - s->a.first[i]);
-}
-
 /* Counts, and stores where terms is not NULL, the products of all pairs of entries of a row, by
  * blocks of the lower triangle. */
 static void visit_pairs(const struct coarse_space *s, const struct sparse *rows, int *counts,
@@ -151,7 +147,7 @@ static void visit_pairs(const struct coarse_space *s, const struct sparse *rows,
             for (int m = rows->start[r]; m < rows->start[r + 1]; m++) {
                 int i = rows->entry[k].column, j = rows->entry[m].column;
                 if (j > i) continue;
-                int at = counts[block_of(s, i, j)]++;
+                int at = counts[skyline_block(&s->a, i, j)]++;
                 if (terms)
                     terms->entry[at] =
                         (struct entry){r, rows->entry[k].value * rows->entry[m].value};
@@ -194,10 +190,10 @@ static void add_number(const struct coarse_space *s, int i, int j, double number
             int row = I->entry[k].column, column = I->entry[m].column;
             double part = (double)I->entry[k].value * (double)I->entry[m].value * number;
             if (column > row) continue;
-            if (column >= s->a.first[row]) to[block_of(s, row, column)] += part;
+            if (column >= s->a.first[row]) to[skyline_block(&s->a, row, column)] += part;
             else
-                to[block_of(s, row, row)] += fabs(part),
-                    to[block_of(s, column, column)] += fabs(part);
+                to[skyline_block(&s->a, row, row)] += fabs(part),
+                    to[skyline_block(&s->a, column, column)] += fabs(part);
         }
 }
 

@@ -39,7 +39,7 @@ INLINE void part_load(struct part *B, const pdyn_elements *at, int e, int r, int
 INLINE void part_add(const struct coarse_space *s, int i, int j, double scale,
                      const struct part *B) {
     for (int p = 0; p < 3; p++) {
-        double *row = skyline_row(&s->a, i, p) + 3 * (j - s->a.first[i]);
+        double *row = skyline_block_row(&s->a, i, j, p);
         for (int q = 0; q < 3; q++) row[q] += scale * B->row[p][q];
     }
 }
@@ -116,15 +116,14 @@ WIDE static void coarse_compute_rows(void *arg, int first, int last, int block) 
     double h = s->model->h;
     for (int i = first; i < last; i++) {
         for (int j = s->a.first[i]; j <= i; j++) {
-            size_t k = s->a.start[i] + (size_t)(j - s->a.first[i]);
+            size_t k = skyline_block(&s->a, i, j);
             struct part sum = {0};
             part_diagonal(&sum, s->stiffness[k] + s->mass[k] / (h * h));
             for (int b = 0; b < s->model->elements_count; b++)
                 if (s->part[b].terms.start)
                     add_terms(&sum, &s->part[b].now, &s->part[b].terms, (int)k);
             for (int p = 0; p < 3; p++)
-                memcpy(skyline_row(&s->a, i, p) + 3 * (j - s->a.first[i]), &sum.row[p],
-                       3 * sizeof(double));
+                memcpy(skyline_block_row(&s->a, i, j, p), &sum.row[p], 3 * sizeof(double));
         }
         for (int b = 0; b < s->model->elements_count; b++)
             if (s->part[b].nodes.start) add_rows(s, i, &s->part[b]);
