@@ -33,8 +33,9 @@ static void move_solids(struct contact *c) {
     double *at = solids_in(c, c->at);
     const double *x = solids_in(c, c->path.x), *step = solids_in(c, c->path.step);
     c->lagging = false;
-    for (size_t k = 0; c->moving && k < solid_numbers(c); k++) at[k] = x[k] + step[k];
-    for (int i = c->free; c->moving && i < c->points; i++) c->lagging |= c->path.taken[i] < 1.0;
+    if (!c->moving) return;
+    for (size_t k = 0; k < solid_numbers(c); k++) at[k] = x[k] + step[k];
+    for (int i = c->free; i < c->points; i++) c->lagging |= c->path.taken[i] < 1.0;
 }
 
 static void set_goals(struct contact *c, double time) {

@@ -54,7 +54,7 @@ struct objective {
     struct batch *barrier;       /* of contact: element e acts on contact e of contact_current */
     struct batch *dashpots;      /* on dashpot e; NULL without bearings */
     struct batch *friction;      /* on contact e of contact_at_start; NULL without friction */
-    struct wet_sides *wet_sides; /* NULL where no surface has friction with a fluid */
+    struct wet_sides *wet_sides; /* NULL where no fluid rubs or passes a surface */
     bool dynamic;                /* some constraint changes from step to step (PDYN_DYNAMIC) */
     unsigned weights_revision;   /* changes when weights do, for another reason than h */
 

@@ -90,7 +90,7 @@ void rigid_body_inertia(const struct rigid_body *b, const double *x, const doubl
 /* Largest entry of A'A - I up to which positions are rigid: rounding errors. */
 static const double rigid_enough = 1e-12;
 
-/* Svd3.h has matrices column by column: A = sum s_i left_i right_i' for F = A', R accordingly. */
+/* svd3.h has matrices column by column: A = sum s_i left_i right_i' for F = A', R accordingly. */
 void rigid_closest_rotation(const double A[9], double R[9]) {
     const double ones[3] = {1.0, 1.0, 1.0};
     double columns[9], rotation[9];

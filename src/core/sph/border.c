@@ -89,7 +89,7 @@ pdyn_status border_create(pdyn_context *context, int bodies, const pdyn_body *bo
     struct listing l = {.border = out, .bodies = bodies, .body = body, .rest = rest};
     out->context = context, out->width = width;
     for (int b = 0; b < bodies; b++) out->triangles += hiding_triangles(&body[b]);
-    if (!out->triangles) return PDYN_OK;
+    if (!out->triangles || width == 0.0) return PDYN_OK;
     out->start = NEW_ARRAY(context, out->triangles + 1, int);
     l.box = NEW_ARRAY(context, out->triangles, struct box);
     pdyn_status status =

@@ -8,9 +8,9 @@
 
 struct border {
     pdyn_context *context;
-    double width;  /* m, of the strip */
+    double width;  /* m, of the strip; 0: there is none, and no list */
     int triangles; /* of all bodies that hide, in order */
-    int *start;    /* triangles + 1: the first side of each triangle's list */
+    int *start;    /* triangles + 1: the first side of each triangle's list; NULL: no lists */
     int sides;     /* of all lists */
     int *end;      /* sides x 2: the ends of a side, particles of the system */
 };
@@ -28,11 +28,11 @@ void border_free(struct border *border);
 
 /* Whether the triangle has sides in its list. */
 static inline bool border_is_near(const struct border *border, int triangle) {
-    return border->start[triangle + 1] > border->start[triangle];
+    return border->start && border->start[triangle + 1] > border->start[triangle];
 }
 
-/* Distance of `at`, a point of the triangle, to the border, m, at most the width of the strip. x:
- * positions of the system, m. */
+/* Distance of `at`, a point of the triangle, to the border, m, at most the width of the strip,
+ * which there is. x: positions of the system, m. */
 double border_distance(const struct border *border, int triangle, const double *x,
                        const double at[3]);
 

@@ -239,8 +239,8 @@ struct search {
  * ids. Entries beyond the room of the block are counted, not written. */
 static void append(struct neighbours *n, struct search *w, const struct grid *grid,
                    struct grid_cells *cells, const double *at, int i, double reach, int first) {
-    int room = w->used < n->room ? n->room - w->used : 0;
-    int *list = w->list + n->room - room;
+    int written = w->used < n->room ? w->used : n->room, room = n->room - written;
+    int *list = w->list + written;
     if (!grid->points) return;
     grid_update_cells(grid, at, cells);
     int found = grid_query(grid, cells, at, reach, i, list, room);

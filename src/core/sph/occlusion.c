@@ -2,6 +2,7 @@
 #include "occlusion.h"
 
 #include "geometry/distance.h"
+#include "geometry/point_list.h"
 
 #include "projdyn/vec3.h"
 
@@ -55,15 +56,16 @@ void occlusion_free(struct occlusion *s) {
 
 /* ---- clearance ------------------------------------------------------------------------------- */
 
-/* The box [min, max] extended by `by`, m, on all sides. */
-static struct box inflate(const double *min, const double *max, double by) {
-    struct box box;
-    for (int a = 0; a < 3; a++) box.min[a] = min[a] - by, box.max[a] = max[a] + by;
+/* The box around the ball of a radius, m, around `at`. */
+static struct box box_of_ball(const double at[3], double radius) {
+    struct box box = box_around(at, 1);
+    box_grow(&box, radius);
     return box;
 }
 
 void occlusion_update(struct occlusion *s, const double *x, const struct box *around) {
-    struct box near = inflate(around->min, around->max, s->reach);
+    struct box near = *around;
+    box_grow(&near, s->reach);
     s->x = x, s->near_count = 0;
     for (int t = 0; t < s->triangles; t++) {
         struct box *box = &s->box[s->near_count];
@@ -96,12 +98,12 @@ static void update_nearest(void *user, int id) {
     double squared = closest_vertex_face(points, unused);
     if (!(squared < q->nearest)) return;
     q->nearest = squared;
-    q->box = inflate(q->from, q->from, sqrt(squared));
+    q->box = box_of_ball(q->from, sqrt(squared));
 }
 
 void occlusion_compute_clearance(struct occlusion *s, int i, const double *at, double most) {
     struct query q = {
-        .occlusion = s, .from = at, .box = inflate(at, at, most), .nearest = most * most};
+        .occlusion = s, .from = at, .box = box_of_ball(at, most), .nearest = most * most};
     bvh_visit(&s->tree, &q.box, 0, update_nearest, &q);
     s->clearance[i] = sqrt(q.nearest);
 }

@@ -25,8 +25,9 @@ static double limit_bodies(const struct pdyn_sim *sim, double *moves) {
 }
 
 double iterate_limit(const struct pdyn_sim *sim, double *moves) {
-    double least = sim->max_step ? limit_bodies(sim, moves) : 1.0;
-    for (int i = 0; sim->max_step && i < sim->objective.particles; i++) {
+    if (!sim->max_step) return 1.0;
+    double least = limit_bodies(sim, moves);
+    for (int i = 0; i < sim->objective.particles; i++) {
         double *own = moves + 3 * (size_t)i, length = vec3_length(own);
         if (!(length > sim->max_step[i])) continue;
         double part = sim->max_step[i] / length;

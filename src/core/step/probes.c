@@ -246,11 +246,12 @@ static double part_of(const struct scene_probe *probe, double h, long steps) {
 
 void probes_step(struct pdyn_sim *sim, double h) {
     struct probes *p = sim->probes;
-    double *now = p ? p->now : NULL, *value = p ? p->value : NULL;
-    for (int k = 0; p && k < LOAD_SOURCES; k++)
+    if (!p) return;
+    double *now = p->now, *value = p->value;
+    for (int k = 0; k < LOAD_SOURCES; k++)
         if (p->force[k]) forces_sum(sim, (pdyn_load_source)k, p->force[k]);
-    if (p && p->sample_force) probe_wall_sum(sim);
-    for (int k = 0; p && k < p->count; k++) {
+    if (p->sample_force) probe_wall_sum(sim);
+    for (int k = 0; k < p->count; k++) {
         const struct scene_probe *from = &sim->scene.probe[k];
         double part = part_of(from, h, sim->steps);
         probe_place_move(sim, &p->place[k]);
