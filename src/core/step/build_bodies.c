@@ -81,8 +81,7 @@ static pdyn_status look_for_seams(struct pdyn_sim *sim, const struct scene_body 
     int doubles;
     pdyn_status status = mesh_count_duplicates(sim->context, &body->mesh, &doubles);
     if (status == PDYN_OK && doubles)
-        warnings_say(sim->context,
-                     warnings_count(&sim->warnings, WARNING_SEAMS, body->name, 0.0, doubles, 0.0),
+        warnings_say(sim->context, sim_warning(sim, WARNING_SEAMS, body->name, doubles, 0.0),
                      "%d of its vertices lie where another one does already; triangles that do not "
                      "share a vertex are not joined",
                      doubles);

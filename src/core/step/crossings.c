@@ -186,8 +186,8 @@ void crossings_warn(struct pdyn_sim *sim) {
     for (int s = 0; c && s < c->swept.count; s++) {
         long count = c->count[s];
         if (!count) continue;
-        struct warning *w = warnings_count(&sim->warnings, WARNING_LEAK, c->swept.surface[s].name,
-                                           sim->time, 0, (double)count);
+        struct warning *w =
+            sim_warning(sim, WARNING_LEAK, c->swept.surface[s].name, 0, (double)count);
         if (w->count >= count) continue;
         w->count = count;
         long most;

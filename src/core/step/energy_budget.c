@@ -260,7 +260,7 @@ void energy_budget_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
     double gain = total - e->total;
     double limit = max_gain * e->scale + min_gain * weight_times_height(sim) + rest_energy(sim);
     if (!(gain > limit)) return;
-    struct warning *w = warnings_count(&sim->warnings, WARNING_ENERGY, "", sim->time, 1, gain);
+    struct warning *w = sim_warning(sim, WARNING_ENERGY, "", 1, gain);
     warnings_say(sim->context, w,
                  "the total energy rises by up to %.3g J, which is %.2g of the energy in motion; "
                  "nothing in the scene gives energy",

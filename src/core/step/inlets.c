@@ -173,8 +173,8 @@ static void warn_of_not_entered(struct pdyn_sim *sim, const struct live_inlet *i
                                 double count) {
     double share = inlet->not_entered / (inlet->layers * inlet->from->layer.count);
     if (!(count > 0.0) || inlet->layers < MANY_LAYERS || !(share > max_not_entered)) return;
-    struct warning *w = warnings_count(&sim->warnings, WARNING_BLOCKED, sim->body[inlet->body].name,
-                                       sim->time, (long)count, share);
+    struct warning *w =
+        sim_warning(sim, WARNING_BLOCKED, sim->body[inlet->body].name, (long)count, share);
     warnings_say(sim->context, w,
                  "%.0f of %.0f particles of inlet %d did not enter: others were in their way, and "
                  "less flows in than its speed says",
@@ -191,8 +191,7 @@ static void enter_layer(struct pdyn_sim *sim, struct live_inlet *inlet) {
 
 static void close_inlet(struct pdyn_sim *sim, struct live_inlet *inlet) {
     inlet->closed = true;
-    struct warning *w = warnings_count(&sim->warnings, WARNING_BUDGET, sim->body[inlet->body].name,
-                                       sim->time, 1, 0.0);
+    struct warning *w = sim_warning(sim, WARNING_BUDGET, sim->body[inlet->body].name, 1, 0.0);
     warnings_say(sim->context, w,
                  "its budget of %d particles is used up at %g s; inlet %d is closed",
                  sim->scene.body[inlet->body].budget, sim->time, inlet->number);

@@ -128,6 +128,12 @@ static inline bool sim_has_constraint(const struct pdyn_sim *sim, int constraint
     return sim && constraint >= 0 && constraint < sim->constraints;
 }
 
+/* Counts a warning at the current time (warnings_count); returns it for warnings_say. */
+static inline struct warning *sim_warning(struct pdyn_sim *sim, enum warning_code code,
+                                          const char *subject, long count, double value) {
+    return warnings_count(&sim->warnings, code, subject, sim->time, count, value);
+}
+
 /* Whether pins or holds act on body b. */
 static inline bool sim_pins_body(const struct pdyn_sim *sim, int b) {
     for (int k = 0; k < sim->objective.batches; k++)

@@ -78,8 +78,7 @@ static pdyn_status find_solver(struct pdyn_sim *sim, const char *name,
 void solver_choice_warn(struct pdyn_sim *sim) {
     bool newton = sim->scene.settings.newton, dynamic = sim->objective.dynamic;
     if (!sim->solver->direct || !(dynamic || newton)) return;
-    warnings_say(sim->context,
-                 warnings_count(&sim->warnings, WARNING_FACTOR, sim->solver->name, 0.0, 1, 0.0),
+    warnings_say(sim->context, sim_warning(sim, WARNING_FACTOR, sim->solver->name, 1, 0.0),
                  "the matrix of this scene changes (%s), so it is factored in every iteration, %s; "
                  "\"cg\" needs no factor",
                  dynamic ? "constraints change every step" : "newton step",

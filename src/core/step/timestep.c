@@ -140,7 +140,7 @@ static void check_speed(struct pdyn_sim *sim, double h) {
     const struct scene_settings *settings = &sim->scene.settings;
     double radii = max_radii(sim, h, 0.0, 0.0);
     if (radii <= 2.0 * settings->cfl) return;
-    struct warning *w = warnings_count(&sim->warnings, WARNING_SHORT_STEP, "", sim->time, 1, radii);
+    struct warning *w = sim_warning(sim, WARNING_SHORT_STEP, "", 1, radii);
     warnings_say(sim->context, w,
                  "a particle travels up to %.3g radii in the shortest step of %g s (\"minimum\"): "
                  "walls may not hold it",
@@ -153,8 +153,7 @@ void timestep_check(struct pdyn_sim *sim, double h, double residual) {
     bool solved = residual <= settings->tolerance;
     double limit = settings->h_fixed > 0.0 && !solved ? rearrangement_limit(sim) : INFINITY;
     if (h <= limit) return;
-    struct warning *w =
-        warnings_count(&sim->warnings, WARNING_LONG_STEP, "", sim->time, 1, h / limit);
+    struct warning *w = sim_warning(sim, WARNING_LONG_STEP, "", 1, h / limit);
     warnings_say(sim->context, w,
                  "the fixed step of %g s is up to %.2g times as long as the pressure allows, and "
                  "it is unsolved: water this deep may be thrown about",

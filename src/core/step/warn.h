@@ -10,9 +10,7 @@ struct pdyn_sim;
 
 /* A warning about the scene (printf format). */
 #define WARN(sim, code, subject, ...)                                                              \
-    warnings_say((sim)->context,                                                                   \
-                 warnings_count(&(sim)->warnings, WARNING_##code, subject, 0.0, 1, 0.0),           \
-                 __VA_ARGS__)
+    warnings_say((sim)->context, sim_warning(sim, WARNING_##code, subject, 1, 0.0), __VA_ARGS__)
 
 /* Warns of more memory than there is, which a system often answers by ending the program without a
  * word. Right after the bodies are made. */

@@ -76,8 +76,7 @@ static void check_coincident(struct pdyn_sim *sim, const pdyn_body *fluid) {
             break;
         }
     if (!count) return;
-    warnings_say(sim->context,
-                 warnings_count(&sim->warnings, WARNING_COINCIDENT, fluid->name, 0.0, count, 0.0),
+    warnings_say(sim->context, sim_warning(sim, WARNING_COINCIDENT, fluid->name, count, 0.0),
                  "%d particles lie at the place of another one; nothing parts them: do volumes of "
                  "its fill overlap?",
                  count);

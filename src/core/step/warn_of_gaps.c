@@ -126,8 +126,7 @@ void warn_of_gaps(struct pdyn_sim *sim, double density_error_max) {
         }
     }
     if (!count) return;
-    struct warning *w = warnings_count(&sim->warnings, WARNING_SQUEEZED, name_of(sim, pair[1]),
-                                       sim->time, 1, worst);
+    struct warning *w = sim_warning(sim, WARNING_SQUEEZED, name_of(sim, pair[1]), 1, worst);
     warnings_say(sim->context, w,
                  "in %ld of %ld steps particles of \"%s\" are squeezed between it and \"%s\", "
                  "compressed by up to %.3g %%: a gap below %.3g m, their spacing, has no room for "

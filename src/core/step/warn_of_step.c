@@ -17,8 +17,7 @@ static void warn_unsolved(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++) {
         double residual = sim->objective.body[b].residual;
         if (residual <= tolerance) continue;
-        struct warning *w = warnings_count(&sim->warnings, WARNING_UNSOLVED, sim->body[b].name,
-                                           sim->time, 1, residual);
+        struct warning *w = sim_warning(sim, WARNING_UNSOLVED, sim->body[b].name, 1, residual);
         warnings_say(sim->context, w,
                      "%ld of %ld steps are unsolved: step residual up to %.2g, tolerance %.2g",
                      w->count, sim->steps, w->worst, tolerance);
@@ -30,8 +29,7 @@ static const double much_slower = 0.5;
 
 static void warn_slowed(struct pdyn_sim *sim) {
     if (sim->slowed <= much_slower) return;
-    struct warning *w =
-        warnings_count(&sim->warnings, WARNING_SLOWED, "", sim->time, 1, sim->slowed);
+    struct warning *w = sim_warning(sim, WARNING_SLOWED, "", 1, sim->slowed);
     warnings_say(sim->context, w,
                  "%ld of %ld steps end so far from solved that they take away more than half of "
                  "the motion (up to %.0f %% of the kinetic energy): more \"outer_iterations\" or "
@@ -41,8 +39,7 @@ static void warn_slowed(struct pdyn_sim *sim) {
 
 static void warn_retries(struct pdyn_sim *sim, int retries) {
     if (!retries) return;
-    struct warning *w =
-        warnings_count(&sim->warnings, WARNING_RETRIES, "", sim->time, retries, retries);
+    struct warning *w = sim_warning(sim, WARNING_RETRIES, "", retries, retries);
     warnings_say(sim->context, w,
                  "%ld attempt%s at a step failed and w%s repeated with a shorter one", w->count,
                  w->count == 1 ? "" : "s", w->count == 1 ? "as" : "ere");
@@ -52,7 +49,7 @@ static void warn_retries(struct pdyn_sim *sim, int retries) {
 static void warn_compressed(struct pdyn_sim *sim, double error) {
     if (sim->steps == 1) error = fmax(error, sim->energy.density_error);
     if (error <= max_density_error) return;
-    struct warning *w = warnings_count(&sim->warnings, WARNING_COMPRESSED, "", sim->time, 1, error);
+    struct warning *w = sim_warning(sim, WARNING_COMPRESSED, "", 1, error);
     warnings_say(sim->context, w,
                  "the mean density error is above %g %% in %ld of %ld steps, up to %.3g %%",
                  100.0 * max_density_error, w->count, sim->steps, 100.0 * w->worst);
@@ -77,8 +74,7 @@ static void warn_fast(struct pdyn_sim *sim, double h) {
             vec3_add(v, 1.0 / body->count, sim->v + 3 * (size_t)i);
         double moved = h * vec3_length(v);
         if (moved <= 0.5 * size) continue;
-        struct warning *w =
-            warnings_count(&sim->warnings, WARNING_FAST, body->name, sim->time, 1, moved);
+        struct warning *w = sim_warning(sim, WARNING_FAST, body->name, 1, moved);
         warnings_say(
             sim->context, w,
             "moves by up to %.3g m in a step, more than half of its size of %.3g m: it may "
@@ -132,8 +128,8 @@ static void warn_pressed(struct pdyn_sim *sim, double residual) {
     double least = least_distance(contact_current(contact));
     if (least >= pressed_flat) return;
     const pdyn_body *pinned = find_pinned_flat(sim);
-    struct warning *w = warnings_count(&sim->warnings, WARNING_CONTACT_STIFFNESS,
-                                       pinned ? pinned->name : "", sim->time, 1, 1.0 / least);
+    struct warning *w =
+        sim_warning(sim, WARNING_CONTACT_STIFFNESS, pinned ? pinned->name : "", 1, 1.0 / least);
     if (pinned)
         warnings_say(sim->context, w,
                      "%ld of %ld steps are unsolved with pins that hold points as close as %.2g of "
@@ -157,8 +153,7 @@ static void warn_waiting(struct pdyn_sim *sim) {
     for (int s = 0; contact && contact_is_lagging(contact) && s < sim->scene.solids; s++) {
         double lag = contact_lag(contact, s);
         if (lag <= sim->scene.contact.thickness) continue;
-        struct warning *w = warnings_count(&sim->warnings, WARNING_SOLID_WAITS,
-                                           sim->scene.solid[s].name, sim->time, 1, lag);
+        struct warning *w = sim_warning(sim, WARNING_SOLID_WAITS, sim->scene.solid[s].name, 1, lag);
         warnings_say(sim->context, w,
                      "in %ld of %ld steps a surface in its way holds this solid up, at up to "
                      "%.3g m from where its motion puts it",
@@ -194,8 +189,7 @@ static void warn_fallen(struct pdyn_sim *sim) {
         if ((removed && !sim->scene.body[b].has_mesh) || sim_pins_body(sim, b)) continue;
         int count = count_below(sim, b, sim->floor);
         if (!count) continue;
-        struct warning *w = warnings_count(&sim->warnings, WARNING_FELL_OUT, sim->body[b].name,
-                                           sim->time, 0, count);
+        struct warning *w = sim_warning(sim, WARNING_FELL_OUT, sim->body[b].name, 0, count);
         w->count = count;
         warnings_say(sim->context, w,
                      "%d of %d %s are far below everything else and fall for ever: nothing "
