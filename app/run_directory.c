@@ -173,7 +173,8 @@ static int read_color(const struct run *run, const struct part *part, const json
                      part->name);
 }
 
-bool run_has_constraint(const struct run *run, const char *body, const char *type) {
+/* Whether the report has a constraint of a type on a body. */
+static bool has_constraint(const struct run *run, const char *body, const char *type) {
     json_t *list = json_object_get(run->report, "parameters"), *one;
     size_t k;
     json_array_foreach(list, k, one) {
@@ -199,7 +200,7 @@ static int open_body(struct run *run, int b) {
     if (!is_plain_name(part->name))
         return run_error("%s/%s: bodies[%d]: expected a \"name\" without '/'", run->directory,
                          run->source, b);
-    part->fluid = !run->report || run_has_constraint(run, part->name, "fluid");
+    part->fluid = !run->report || has_constraint(run, part->name, "fluid");
     if (json_is_true(json_object_get(entry, "rigid"))) part->shape = "rigid";
     int code = part_open_series(run, part);
     if (code == EXIT_GOOD) code = read_body_number(run, b, "radius_m", &part->radius);

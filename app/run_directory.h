@@ -68,8 +68,6 @@ bool run_path(char path[RUN_PATH], const struct run *run, const char *name, cons
  * calls run_close() in any case. */
 int run_open(struct run *run);
 void run_close(struct run *run);
-/* Whether the report has a constraint of a type on a body. */
-bool run_has_constraint(const struct run *run, const char *body, const char *type);
 /* Reads the list of frames FOLDER/NAME.vtk.series of a part, which the caller frees (part->series);
  * a part at rest has the file NAME.vtk. Part of run_open. */
 int part_open_series(const struct run *run, struct part *part);

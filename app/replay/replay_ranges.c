@@ -125,7 +125,9 @@ static int find_part_ranges(const struct run *run, struct part *part) {
     return EXIT_GOOD;
 }
 
-int replay_find_ranges(struct run *run) {
+/* Reads all frames for boxes, counts and largest values. Of a live view, all may be without points.
+ */
+static int find_ranges(struct run *run) {
     bool seen = false;
     for (int p = 0; p < run->parts; p++) {
         int code = find_part_ranges(run, &run->part[p]);
@@ -142,9 +144,8 @@ int replay_load(struct run *run) {
     int code = run_open(run);
     if (code == EXIT_GOOD && !run->report)
         fputs("projdyn: warning: no report.json or files.json: particle radii are estimated, "
-              "density errors are "
-              "not shown\n",
+              "density errors are not shown\n",
               stderr);
     if (code == EXIT_GOOD) code = replay_read_metrics(run);
-    return code == EXIT_GOOD ? replay_find_ranges(run) : code;
+    return code == EXIT_GOOD ? find_ranges(run) : code;
 }

@@ -5,14 +5,11 @@
 
 #include "run_directory.h"
 
-/* As run_open, and reads all that the page needs but the points. A run with
- * neither report.json nor files.json gives a warning. */
+/* As run_open, and reads all that the page needs but the points. A run with neither report.json nor
+ * files.json gives a warning. */
 int replay_load(struct run *run);
 /* Reads run->metrics; leaves it NULL if metrics.csv is missing. */
 int replay_read_metrics(struct run *run);
-/* Reads all frames for boxes, counts and largest values. Of a live view, all may be without
- * points. */
-int replay_find_ranges(struct run *run);
 
 /* Checks that a frame has the mesh of the first frame. */
 int replay_check_frame(const struct part *part, const struct vtk_frame *frame, const char *path);

@@ -52,7 +52,7 @@ static int edge_end(const struct side *side, int sides, int first) {
 static double area_of(const struct mesh *mesh, int t) {
     const double *c[3];
     double n[3];
-    for (int k = 0; k < 3; k++) c[k] = mesh->vertex + 3 * mesh->triangle[3 * t + k];
+    mesh_corners(mesh, t, c);
     vec3_normal(n, c[0], c[1], c[2]);
     return 0.5 * vec3_length(n);
 }

@@ -241,46 +241,25 @@ static void default_bool(const pdyn_param *param, void *field) {
 static void default_vector(const pdyn_param *param, void *field) {
     for (int k = 0; k < 3; k++) ((double *)field)[k] = param->def;
 }
-static void default_vertices(const pdyn_param *param, void *field) {
-    (void)param;
-    *(pdyn_vertices *)field = (pdyn_vertices){0};
-}
-static void default_path(const pdyn_param *param, void *field) {
-    (void)param;
-    *(pdyn_path *)field = (pdyn_path){0};
-}
-
-static void default_other(const pdyn_param *param, void *field) {
-    (void)param;
-    *(pdyn_other *)field = (pdyn_other){0};
-}
 
 static pdyn_status read_table(const struct json_at *at, const pdyn_param *param,
                               const struct scene_body *body, void *field) {
     return table_read(at, param, body, field);
 }
 
-static void default_table(const pdyn_param *param, void *field) {
-    (void)param;
-    *(pdyn_table *)field = (pdyn_table){0};
-}
-
 struct kind {
     pdyn_status (*read)(const struct json_at *at, const pdyn_param *param,
                         const struct scene_body *body, void *field);
-    void (*set_default)(const pdyn_param *param, void *field);
+    void (*set_default)(const pdyn_param *param, void *field); /* NULL: it stays zeroed */
 };
 
 static const struct kind kinds[] = {
-    [PDYN_REAL] = {read_real, default_real},
-    [PDYN_INT] = {read_int, default_int},
-    [PDYN_BOOL] = {read_bool, default_bool},
-    [PDYN_VECTOR] = {read_vector, default_vector},
-    [PDYN_VERTICES] = {read_vertices, default_vertices},
-    [PDYN_PATH] = {read_path, default_path},
-    [PDYN_OTHER] = {read_other, default_other},
+    [PDYN_REAL] = {read_real, default_real}, [PDYN_INT] = {read_int, default_int},
+    [PDYN_BOOL] = {read_bool, default_bool}, [PDYN_VECTOR] = {read_vector, default_vector},
+    [PDYN_VERTICES] = {read_vertices, NULL}, [PDYN_PATH] = {read_path, NULL},
+    [PDYN_OTHER] = {read_other, NULL},
 };
-static const struct kind tables = {read_table, default_table};
+static const struct kind tables = {read_table, NULL};
 
 static const struct kind *kind_of(const pdyn_param *p) {
     return param_is_table(p) ? &tables : &kinds[p->kind];
@@ -290,7 +269,7 @@ pdyn_status params_read(const struct json_at *object, const pdyn_param *table,
                         const struct scene_body *body, void *params) {
     pdyn_status status = PDYN_OK;
     for (const pdyn_param *p = table; p->name; p++)
-        kind_of(p)->set_default(p, (char *)params + p->offset);
+        if (kind_of(p)->set_default) kind_of(p)->set_default(p, (char *)params + p->offset);
     for (const pdyn_param *p = table; p->name && status == PDYN_OK; p++) {
         struct json_at at = json_member(object, p->name);
         if (at.value || p->required || param_is_table(p))
