@@ -12,6 +12,13 @@ struct box {
 static const struct box box_empty = {{INFINITY, INFINITY, INFINITY},
                                      {-INFINITY, -INFINITY, -INFINITY}};
 
+/* The box around the ball of a radius, m, around a centre. */
+static inline struct box box_of_ball(const double centre[3], double radius) {
+    struct box box;
+    for (int a = 0; a < 3; a++) box.min[a] = centre[a] - radius, box.max[a] = centre[a] + radius;
+    return box;
+}
+
 /* Extends the box to contain x. */
 static inline void box_add(struct box *box, const double x[3]) {
     for (int a = 0; a < 3; a++) {

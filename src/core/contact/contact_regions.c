@@ -44,8 +44,8 @@ static void set_region(struct contact *c, int i, const double *x, const double *
     if (is_absent(c, i)) return;
     box_add(&c->broad.region[i], x + 3 * i);
     box_add(&c->broad.region[i], end);
+    box_grow(&c->broad.region[i], margin);
     for (int a = 0; a < 3; a++) {
-        c->broad.region[i].min[a] -= margin, c->broad.region[i].max[a] += margin;
         double side = margin + fabs(end[a] - x[3 * i + a]);
         far += side * side;
     }
@@ -78,10 +78,7 @@ void contact_wrap_regions(const struct contact *c, const int *point, int points,
         box_add(box, c->broad.region[point[k]].min);
         box_add(box, c->broad.region[point[k]].max);
     }
-    for (int a = 0; a < 3; a++) {
-        box->min[a] -= 0.5 * c->settings->thickness;
-        box->max[a] += 0.5 * c->settings->thickness;
-    }
+    box_grow(box, 0.5 * c->settings->thickness);
 }
 
 /* Builds the trees of surfaces (kind 0) or solids (kind 1): of all faces, of all edges, and of the

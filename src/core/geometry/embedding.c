@@ -45,8 +45,7 @@ static void find_tet(const struct bvh *tree, double first, struct search *s) {
     s->best = -1;
     for (double reach = 0.0; s->best < 0 || (s->least < 0.0 && reach <= first);
          reach = fmax(first, 2.0 * reach)) {
-        struct box near;
-        for (int a = 0; a < 3; a++) near.min[a] = s->x[a] - reach, near.max[a] = s->x[a] + reach;
+        struct box near = box_of_ball(s->x, reach);
         bvh_visit(tree, &near, 0, try_tet, s);
     }
 }

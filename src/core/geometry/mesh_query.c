@@ -51,8 +51,7 @@ static void visit_close(void *user, int t) {
 
 bool mesh_query_is_close(const struct mesh_query *query, const double x[3], double distance) {
     struct search s = {.query = query, .x = x, .square = distance * distance};
-    struct box box;
-    for (int a = 0; a < 3; a++) box.min[a] = x[a] - distance, box.max[a] = x[a] + distance;
+    struct box box = box_of_ball(x, distance);
     if (box_overlaps(&box, &query->bounds)) bvh_visit(&query->tree, &box, 0, visit_close, &s);
     return s.found;
 }

@@ -2,7 +2,6 @@
 #include "occlusion.h"
 
 #include "geometry/distance.h"
-#include "geometry/point_list.h"
 
 #include "projdyn/vec3.h"
 
@@ -55,13 +54,6 @@ void occlusion_free(struct occlusion *s) {
 }
 
 /* ---- clearance ------------------------------------------------------------------------------- */
-
-/* The box around the ball of a radius, m, around `at`. */
-static struct box box_of_ball(const double at[3], double radius) {
-    struct box box = box_around(at, 1);
-    box_grow(&box, radius);
-    return box;
-}
 
 void occlusion_update(struct occlusion *s, const double *x, const struct box *around) {
     struct box near = *around;

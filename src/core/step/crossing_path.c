@@ -40,7 +40,8 @@ static bool is_inside(const double x[3], double corner[3][3], const double n[3])
 struct border_search { /* for a border edge close to a point */
     const struct crossing_path *path;
     int surface;
-    double t, x[3];
+    double t;
+    const double *x;
     bool found;
 };
 
@@ -62,11 +63,9 @@ static void test_border(void *user, int k) {
 /* Closer to the border of the surface than the particle's radius: the particle goes around. The
  * border edge may belong to another triangle than k. */
 static bool is_on_border(const struct crossing_path *path, int k, double t, const double x[3]) {
-    struct border_search s = {.path = path, .surface = path->set->surface[k], .t = t};
-    struct box box;
+    struct border_search s = {.path = path, .surface = path->set->surface[k], .t = t, .x = x};
+    struct box box = box_of_ball(x, path->radius);
     if (!path->swept->surface[s.surface].across) return false;
-    for (int a = 0; a < 3; a++)
-        s.x[a] = x[a], box.min[a] = x[a] - path->radius, box.max[a] = x[a] + path->radius;
     bvh_visit(&path->set->tree, &box, 0, test_border, &s);
     return s.found;
 }
