@@ -25,6 +25,9 @@ static inline void vec3_add(double *y, double s, const double *a) {
     for (int k = 0; k < 3; k++) y[k] += s * a[k];
 }
 
+/* A += s I; A: a symmetric matrix, packed xx xy xz yy yz zz */
+static inline void vec3_add_identity(double *A, double s) { A[0] += s, A[3] += s, A[5] += s; }
+
 /* Divides a by its length, which is returned; the zero vector stays zero. */
 static inline double vec3_normalise(double *a) {
     double length = vec3_length(a);

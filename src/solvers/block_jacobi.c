@@ -2,6 +2,7 @@
 
 #include "memory.h"
 #include "projdyn/simd.h"
+#include "projdyn/vec3.h"
 
 enum { GRAIN = 2048 }; /* particles per parallel block */
 
@@ -22,7 +23,7 @@ static void limit_block(double *D, double inertia) {
     double trace = D[0] + D[3] + D[5] - 3.0 * inertia, limit = 3.0 * max_stiffness * inertia;
     if (trace <= limit) return;
     for (int a = 0; a < 6; a++) D[a] *= limit / trace;
-    for (int a = 0; a < 6; a += a ? 2 : 3) D[a] += inertia * (1.0 - limit / trace);
+    vec3_add_identity(D, inertia * (1.0 - limit / trace));
 }
 
 /* D becomes its inverse, by cofactors. */

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "contact/contact.h"
 #include "projdyn/simd.h"
+#include "projdyn/vec3.h"
 #include "residual.h"
 
 #include <math.h>
@@ -288,8 +289,7 @@ static void start_blocks(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     memset(c->out + 6 * (size_t)first, 0, 6 * (size_t)(last - first) * sizeof *c->out);
     for (int i = first; i < last; i++)
-        for (int a = 0; a < 6; a += a ? 2 : 3)
-            c->out[6 * (size_t)i + a] = c->scale * objective_inertia(c->objective, i);
+        vec3_add_identity(c->out + 6 * (size_t)i, c->scale * objective_inertia(c->objective, i));
 }
 
 typedef void add_diagonal_fn(struct batch *batch, double *blocks);

@@ -3,6 +3,7 @@
 
 #include "batch.h"
 #include "projdyn/simd.h"
+#include "projdyn/vec3.h"
 
 enum { GRAIN = 512 }; /* particles */
 
@@ -74,10 +75,8 @@ double linear_rows_energy(struct linear_rows *k, const double *x, double *y) {
 }
 
 void linear_rows_diagonal(const struct linear_rows *k, double *blocks) {
-    for (int i = 0; i < k->count; i++) {
-        double *block = blocks + 6 * (size_t)(k->first + i);
-        block[0] += k->diagonal[i], block[3] += k->diagonal[i], block[5] += k->diagonal[i];
-    }
+    for (int i = 0; i < k->count; i++)
+        vec3_add_identity(blocks + 6 * (size_t)(k->first + i), k->diagonal[i]);
 }
 
 /* ---- setting up ------------------------------------------------------------------------------ */

@@ -114,7 +114,7 @@ static void add_projective_blocks(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     for (int i = first; i < last; i++)
-        for (int a = 0; a < 6; a += a ? 2 : 3) c->out[6 * i + a] += c->eps * c->s->at.weight_sum[i];
+        vec3_add_identity(c->out + 6 * i, c->eps * c->s->at.weight_sum[i]);
 }
 
 void one_sided_projective_diagonal(struct one_sided *s, double eps, double *blocks) {

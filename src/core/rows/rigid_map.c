@@ -228,7 +228,7 @@ void rigid_map_close_blocks(const struct rigid_map *map, double inertia, double 
         for (int i = b->first; i < first_point(b); i++) {
             double *own = blocks + 6 * (size_t)i;
             memset(own, 0, 6 * sizeof *own);
-            own[0] = own[3] = own[5] = inertia * map->effective_mass[i];
+            vec3_add_identity(own, inertia * map->effective_mass[i]);
         }
     }
 }

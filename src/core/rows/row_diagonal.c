@@ -22,8 +22,7 @@ INLINE void diagonal_of_element(const struct batch *b, int e, const struct touch
             int r = touch[k].row - first, s = touch[m].row - first;
             double c = touch[k].coefficient * touch[m].coefficient * (m < k ? 1.0 : 0.5);
             if (B) add_symmetric(block, c, B + 3 * r * n + 3 * s, n);
-            else if (r == s) /* B = w I */
-                for (int a = 0; a < 6; a += a ? 2 : 3) block[a] += 2.0 * c * b->view.weight[e];
+            else if (r == s) vec3_add_identity(block, 2.0 * c * b->view.weight[e]); /* B = w I */
         }
 }
 

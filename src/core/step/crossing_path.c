@@ -107,7 +107,8 @@ static void test_part(struct crossing_path *path, int k, double from, double to)
     if (!direction) return;
     for (int round = 0; round < HALVINGS; round++) {
         double t = 0.5 * (from + to);
-        *(direction * plane_at(path, k, t, corner, n) > slack ? &to : &from) = t;
+        if (direction * plane_at(path, k, t, corner, n) > slack) to = t;
+        else from = t;
     }
     plane_at(path, k, to, corner, n);
     for (int a = 0; a < 3; a++) x[a] = (1.0 - to) * path->begin[a] + to * path->end[a];

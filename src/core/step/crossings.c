@@ -51,7 +51,8 @@ static double slack_of(const pdyn_body *body) {
 pdyn_status crossings_create(struct pdyn_sim *sim) {
     bool fluid = false, surfaces = false, solids = sim->scene.solids;
     for (int b = 0; b < sim->bodies; b++)
-        *(body_is_particles(&sim->body[b]) ? &fluid : &surfaces) = true;
+        if (body_is_particles(&sim->body[b])) fluid = true;
+        else surfaces = true;
     bool bodies = solids && surfaces && !sim->scene.has_contact;
     if (!bodies && !(fluid && (solids || surfaces))) return PDYN_OK;
     struct crossings *c = sim->crossings = NEW_ARRAY(sim->context, 1, struct crossings);
