@@ -71,20 +71,19 @@ static int expect_line(struct reader *r, const char *expected) {
     return code;
 }
 
-/* Reads the line BEFORE + N + AFTER, 0 <= N <= 99999999, in the spelling of printf. */
-static int read_count(struct reader *r, const char *before, const char *after, int *count) {
-    char line[LINE], printed[LINE], expected[LINE];
+/* Reads the line "POINTS N float", 0 <= N <= 99999999, in the spelling of printf. */
+static int read_count(struct reader *r, int *count) {
+    static const char expected[] = "POINTS N float";
+    char line[LINE], printed[LINE];
     size_t at = r->at;
-    snprintf(expected, sizeof expected, "%sN%s", before, after);
-    int code = read_line(r, line, expected);
+    int code = read_line(r, line, expected), number = -1;
     if (code != EXIT_GOOD) return code;
-    size_t skip = strlen(before);
-    long number = strlen(line) > skip ? strtol(line + skip, NULL, 10) : -1;
-    snprintf(printed, sizeof printed, "%s%ld%s", before, number, after);
-    if (strcmp(line, printed) || number < 0 || number > 99999999)
+    bool good = sscanf(line, "POINTS %8d", &number) == 1 && number >= 0;
+    snprintf(printed, sizeof printed, "POINTS %d float", number);
+    if (!good || strcmp(line, printed))
         return fail_at(r, at, "expected the line \"%s\" with a number N, found \"%.80s\"", expected,
                        line);
-    *count = (int)number;
+    *count = number;
     return EXIT_GOOD;
 }
 
@@ -207,7 +206,7 @@ static int read_points(struct reader *r, struct vtk_frame *frame) {
     if (code == EXIT_GOOD) code = read_line(r, title, "a title");
     if (code == EXIT_GOOD) code = expect_line(r, "BINARY");
     if (code == EXIT_GOOD) code = expect_line(r, "DATASET UNSTRUCTURED_GRID");
-    if (code == EXIT_GOOD) code = read_count(r, "POINTS ", " float", &frame->count);
+    if (code == EXIT_GOOD) code = read_count(r, &frame->count);
     if (code == EXIT_GOOD) code = read_floats(r, 3 * (size_t)frame->count, "POINTS", &frame->x);
     return code;
 }
@@ -247,16 +246,16 @@ static int read_point_data(struct reader *r, struct vtk_frame *frame) {
                              : code;
 }
 
-/* Reads a block of numbers of at least 0. */
-static int read_indices(struct reader *r, size_t count, const char *what, int **out) {
-    int code = need_words(r, count, what);
+/* Reads a block of vertices, numbers of at least 0. */
+static int read_indices(struct reader *r, size_t count, int **out) {
+    int code = need_words(r, count, "vertex");
     if (code != EXIT_GOOD) return code;
     *out = malloc((count + 1) * sizeof **out);
     if (!*out) return no_memory(r->path, count * sizeof **out);
     for (size_t i = 0; i < count; i++) {
         uint32_t word = next_word(r);
         if (word > INT32_MAX)
-            return fail_at(r, r->at - 4, "expected a %s from 0, found %d", what, (int)word);
+            return fail_at(r, r->at - 4, "expected a vertex from 0, found %d", (int)word);
         (*out)[i] = (int)word;
     }
     return end_block(r);
@@ -271,7 +270,7 @@ static int read_binding(struct reader *r, struct vtk_frame *frame) {
     int code = expect_line(r, points);
     if (code == EXIT_GOOD) code = expect_line(r, "FIELD binding 2");
     if (code == EXIT_GOOD) code = expect_line(r, vertex);
-    if (code == EXIT_GOOD) code = read_indices(r, numbers, "vertex", &frame->vertex);
+    if (code == EXIT_GOOD) code = read_indices(r, numbers, &frame->vertex);
     if (code == EXIT_GOOD) code = expect_line(r, weight);
     return code == EXIT_GOOD ? read_floats(r, numbers, "weight", &frame->weight) : code;
 }
