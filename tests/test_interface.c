@@ -120,8 +120,8 @@ static void check_areas(int strips) {
         const int corner[6] = {2 * k, 2 * k + 1, 2 * k + 3, 2 * k, 2 * k + 3, 2 * k + 2};
         memcpy(triangle + 6 * k, corner, sizeof corner);
     }
-    assert_int_equal(sample_triangles(context, "sheet", vertex, 2 * strips, triangle,
-                                      model->mesh_spacing * d, &points),
+    const struct mesh mesh = {2 * (strips + 1), vertex, 2 * strips, triangle};
+    assert_int_equal(sample_triangles(context, "sheet", &mesh, model->mesh_spacing * d, &points),
                      PDYN_OK);
     assert_in_range(pdyn_peak_bytes(context) / (size_t)points.count, 0, 512);
     double *x = malloc(3 * (size_t)points.count * sizeof *x),
@@ -129,7 +129,7 @@ static void check_areas(int strips) {
     double all = 0.0;
     assert_true(x && area);
     for (int k = 0; k < points.count; k++) {
-        surface_point_position(&points.point[k], vertex, triangle, x + 3 * k);
+        surface_point_position(&points.point[k], &mesh, x + 3 * k);
         all += area[k] = points.point[k].area;
     }
     assert_true(fabs(all - 4.0) < 1e-9);
@@ -150,17 +150,17 @@ static void test_areas(void **state) {
 static void test_ribbon(void **state) {
     (void)state;
     const double spacing = 0.01, length = 40.0, width = 0.02;
-    const double vertex[] = {0, 0, 0, length, 0, 0, length, 0, width, 0, 0, width};
-    static const int triangle[] = {1, 2, 0, 3, 0, 2};
+    double vertex[] = {0, 0, 0, length, 0, 0, length, 0, width, 0, 0, width};
+    int triangle[] = {1, 2, 0, 3, 0, 2};
+    const struct mesh mesh = {4, vertex, 2, triangle};
     pdyn_context *context = test_context(1);
     struct surface_points points = {0};
-    assert_int_equal(sample_triangles(context, "ribbon", vertex, 2, triangle, spacing, &points),
-                     PDYN_OK);
+    assert_int_equal(sample_triangles(context, "ribbon", &mesh, spacing, &points), PDYN_OK);
     assert_in_range(pdyn_peak_bytes(context), 0, 64 << 20);
     double *x = malloc(3 * (size_t)points.count * sizeof *x), all = 0.0, least = INFINITY;
     assert_non_null(x);
     for (int k = 0; k < points.count; k++) {
-        surface_point_position(&points.point[k], vertex, triangle, x + 3 * k);
+        surface_point_position(&points.point[k], &mesh, x + 3 * k);
         all += points.point[k].area;
         for (int m = 0; m < k; m++) least = fmin(least, vec3_distance(x + 3 * k, x + 3 * m));
     }

@@ -151,13 +151,12 @@ pdyn_status sample_plane_surface(pdyn_context *context, const char *name, const 
 pdyn_status sample_mesh_surface(pdyn_context *context, const char *name, const struct mesh *mesh,
                                 double spacing, struct boundary_points *out) {
     struct surface_points points = {0};
-    pdyn_status status = sample_triangles(context, name, mesh->vertex, mesh->triangles,
-                                          mesh->triangle, spacing, &points);
+    pdyn_status status = sample_triangles(context, name, mesh, spacing, &points);
     for (int i = 0; status == PDYN_OK && i < points.count; i++) {
         struct boundary_point point = {.area = points.point[i].area};
         const double *corner[3];
         double x[3];
-        surface_point_position(&points.point[i], mesh->vertex, mesh->triangle, x);
+        surface_point_position(&points.point[i], mesh, x);
         mesh_corners(mesh, points.point[i].triangle, corner);
         vec3_normal(point.normal, corner[0], corner[1], corner[2]);
         vec3_normalise(point.normal);

@@ -82,19 +82,17 @@ struct surface_points {
     struct surface_point *point;
 };
 
-/* Samples triangles with a Poisson-disk set in deterministic order (Akinci et al. 2012 sample
+/* Samples a mesh with a Poisson-disk set in deterministic order (Akinci et al. 2012 sample
  * solids in this way): the distance between points is at least 0.75 spacing, and every place of the
  * surface is within about 1.1 spacing of a point. Time is proportional to area / spacing^2 + length
  * of the sides / spacing, memory to the number of points. name: of the body or solid, for messages.
  * *out must be zeroed before; free it after a failure, too. PDYN_BAD_INPUT: more than
  * SURFACE_CANDIDATES points to choose from. */
-pdyn_status sample_triangles(pdyn_context *context, const char *name, const double *vertex,
-                             int triangles, const int *triangle, double spacing,
-                             struct surface_points *out);
+pdyn_status sample_triangles(pdyn_context *context, const char *name, const struct mesh *mesh,
+                             double spacing, struct surface_points *out);
 void surface_points_free(pdyn_context *context, struct surface_points *points);
-/* Computes the position of a point from the vertices of its triangle: x, 3 numbers, m. */
-void surface_point_position(const struct surface_point *point, const double *vertex,
-                            const int *triangle, double *x);
+/* Computes the position of a point on a mesh: x, 3 numbers, m. */
+void surface_point_position(const struct surface_point *point, const struct mesh *mesh, double *x);
 
 /* Samples a mesh as sample_triangles does and appends the points as boundary points. */
 pdyn_status sample_mesh_surface(pdyn_context *context, const char *name, const struct mesh *mesh,

@@ -1,4 +1,4 @@
-/* Sampling of triangles: a greedy Poisson-disk set of points, and their areas. */
+/* Sampling of meshes: a greedy Poisson-disk set of points, and their areas. */
 #include "grid.h"
 #include "poisson_disk.h"
 #include "sampling.h"
@@ -14,14 +14,9 @@ void surface_points_free(pdyn_context *context, struct surface_points *points) {
     *points = (struct surface_points){0};
 }
 
-static void corners_of(const double *vertex, const int *triangle, int t, const double *c[3]) {
-    for (int k = 0; k < 3; k++) c[k] = vertex + 3 * (size_t)triangle[3 * t + k];
-}
-
-void surface_point_position(const struct surface_point *point, const double *vertex,
-                            const int *triangle, double *x) {
+void surface_point_position(const struct surface_point *point, const struct mesh *mesh, double *x) {
     const double *c[3];
-    corners_of(vertex, triangle, point->triangle, c);
+    mesh_corners(mesh, point->triangle, c);
     for (int a = 0; a < 3; a++)
         x[a] = c[0][a] + point->weight[1] * (c[1][a] - c[0][a]) +
                point->weight[2] * (c[2][a] - c[0][a]);
@@ -69,6 +64,17 @@ static struct pattern pattern_of(const double *const c[3], double spacing) {
     return p;
 }
 
+static double count_all(const struct mesh *mesh, double spacing) {
+    double count = 0.0;
+    for (int t = 0; t < mesh->triangles; t++) {
+        const double *c[3];
+        mesh_corners(mesh, t, c);
+        struct pattern p = pattern_of(c, spacing);
+        count += count_candidates(&p);
+    }
+    return count;
+}
+
 /* Barycentric coordinates of a long triangle: `up` from 0, the longest side, to 1, the apex, and
  * `along` from 0 to 1. */
 static void weights_in_row(const struct pattern *p, double up, double along, double *weight) {
@@ -82,8 +88,7 @@ static void weights_in_row(const struct pattern *p, double up, double along, dou
 /* A candidate is selected if no selected one is within the distance of the set. */
 struct selection {
     pdyn_context *context;
-    const double *vertex;
-    const int *triangle;
+    const struct mesh *mesh;
     struct poisson_disk set;
     struct surface_points *points;
     pdyn_status status; /* after a failure nothing more is selected */
@@ -106,7 +111,7 @@ static void offer(struct selection *s, int triangle, const double weight[3]) {
     bool taken;
     if (s->status != PDYN_OK) return;
     memcpy(point.weight, weight, sizeof point.weight);
-    surface_point_position(&point, s->vertex, s->triangle, x);
+    surface_point_position(&point, s->mesh, x);
     s->status = poisson_disk_offer(s->context, &s->set, x, &taken);
     if (s->status == PDYN_OK && taken) s->status = add_point(s->context, s->points, &point);
 }
@@ -129,8 +134,9 @@ static void offer_lattice(struct selection *s, const struct pattern *p, int tria
 }
 
 /* Refuses a surface that would take too long. */
-static pdyn_status check_size(pdyn_context *context, const char *name, double spacing,
-                              const struct mesh *mesh, double count) {
+static pdyn_status check_size(pdyn_context *context, const char *name, const struct mesh *mesh,
+                              double spacing) {
+    double count = count_all(mesh, spacing);
     if (count <= SURFACE_CANDIDATES) return PDYN_OK;
     return context_fail(context, PDYN_BAD_INPUT,
                         "the surface of \"%s\" has %.3g m^2, too many for samples %g m apart "
@@ -141,10 +147,10 @@ static pdyn_status check_size(pdyn_context *context, const char *name, double sp
 }
 
 /* Selects from the candidates of all triangles. */
-static void select_points(struct selection *s, int triangles, double spacing) {
+static void select_points(struct selection *s, double spacing) {
     const double *c[3];
-    for (int t = 0; t < triangles; t++) {
-        corners_of(s->vertex, s->triangle, t, c);
+    for (int t = 0; t < s->mesh->triangles; t++) {
+        mesh_corners(s->mesh, t, c);
         struct pattern p = pattern_of(c, spacing);
         if (p.rows > 0.0) offer_rows(s, &p, t);
         else offer_lattice(s, &p, t);
@@ -221,44 +227,28 @@ static void share_triangle(struct sharing *s, const double *const c[3], double s
 }
 
 /* Computes the areas of all points. A place of the surface has a point within 1.1 spacing. */
-static pdyn_status share_surface(pdyn_context *context, const double *vertex, int triangles,
-                                 const int *triangle, double spacing, const double *x,
-                                 struct surface_points *points) {
+static pdyn_status share_surface(pdyn_context *context, const struct mesh *mesh, double spacing,
+                                 const double *x, struct surface_points *points) {
     struct grid grid = {0};
     pdyn_status status = grid_create(context, points->count, 1.1 * spacing, &grid);
     if (status == PDYN_OK) status = grid_sort(context, &grid, points->count, NULL, x);
     struct sharing sharing = {&grid, x, points, {0}};
-    for (int t = 0; status == PDYN_OK && t < triangles; t++) {
+    for (int t = 0; status == PDYN_OK && t < mesh->triangles; t++) {
         const double *c[3];
-        corners_of(vertex, triangle, t, c);
+        mesh_corners(mesh, t, c);
         share_triangle(&sharing, c, spacing);
     }
     grid_free(context, &grid);
     return status;
 }
 
-static double count_all(const double *vertex, int triangles, const int *triangle, double spacing) {
-    double count = 0.0;
-    for (int t = 0; t < triangles; t++) {
-        const double *c[3];
-        corners_of(vertex, triangle, t, c);
-        struct pattern p = pattern_of(c, spacing);
-        count += count_candidates(&p);
-    }
-    return count;
-}
-
-pdyn_status sample_triangles(pdyn_context *context, const char *name, const double *vertex,
-                             int triangles, const int *triangle, double spacing,
-                             struct surface_points *out) {
-    struct selection s = {context, vertex, triangle, {.distance = 0.75 * spacing}, out, PDYN_OK};
-    const struct mesh mesh = {
-        .vertex = (double *)vertex, .triangles = triangles, .triangle = (int *)triangle};
-    s.status =
-        check_size(context, name, spacing, &mesh, count_all(vertex, triangles, triangle, spacing));
-    if (s.status == PDYN_OK) select_points(&s, triangles, spacing);
+pdyn_status sample_triangles(pdyn_context *context, const char *name, const struct mesh *mesh,
+                             double spacing, struct surface_points *out) {
+    struct selection s = {context, mesh, {.distance = 0.75 * spacing}, out, PDYN_OK};
+    s.status = check_size(context, name, mesh, spacing);
+    if (s.status == PDYN_OK) select_points(&s, spacing);
     if (s.status == PDYN_OK && out->count)
-        s.status = share_surface(context, vertex, triangles, triangle, spacing, s.set.at.x, out);
+        s.status = share_surface(context, mesh, spacing, s.set.at.x, out);
     poisson_disk_free(context, &s.set);
     return s.status;
 }

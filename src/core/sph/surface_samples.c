@@ -211,16 +211,22 @@ void samples_free(struct surface_samples *s) {
     FREE_ARRAY(s->context, s, 1);
 }
 
+/* The surface of a body at rest, which is not to be changed. */
+static struct mesh mesh_of(const pdyn_body *body) {
+    return (struct mesh){body->count, (double *)body->rest, body->triangles, (int *)body->triangle};
+}
+
 /* Sets up the samples of one surface from index `first` on. Writes positions to s->x. */
 static void place(struct surface_samples *s, const pdyn_body *body,
                   const struct surface_points *points, int first) {
+    const struct mesh mesh = mesh_of(body);
     for (int k = 0; k < points->count; k++) {
         const struct surface_point *point = &points->point[k];
         const int *corner = body->triangle + 3 * point->triangle;
         int *vertex = s->vertex + 3 * (first + k);
         for (int m = 0; m < 3; m++) vertex[m] = body->first + corner[m];
         memcpy(s->weight + 3 * (first + k), point->weight, sizeof point->weight);
-        surface_point_position(point, body->rest, body->triangle, s->x + 3 * (size_t)(first + k));
+        surface_point_position(point, &mesh, s->x + 3 * (size_t)(first + k));
         s->rest_area[first + k] = point->area;
     }
 }
@@ -272,9 +278,10 @@ pdyn_status samples_create(pdyn_context *context, int bodies, const pdyn_body *b
     pdyn_status status = points ? PDYN_OK : PDYN_NO_MEMORY;
     int count = 0;
     *out = NULL;
-    for (int b = 0; b < bodies && status == PDYN_OK; count += points[b++].count)
-        status = sample_triangles(context, body[b].name, body[b].rest, body[b].triangles,
-                                  body[b].triangle, distance, &points[b]);
+    for (int b = 0; b < bodies && status == PDYN_OK; count += points[b++].count) {
+        const struct mesh mesh = mesh_of(&body[b]);
+        status = sample_triangles(context, body[b].name, &mesh, distance, &points[b]);
+    }
     if (status == PDYN_OK && count) {
         *out = NEW_ARRAY(context, 1, struct surface_samples);
         if (!*out) status = PDYN_NO_MEMORY;
