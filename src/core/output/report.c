@@ -102,7 +102,8 @@ static json_t *particles(const struct report *report, const pdyn_sim *sim) {
     int fluid = 0, cloth = 0;
     for (int b = 0; b < state.bodies; b++) {
         pdyn_body_info body = pdyn_get_body(sim, b);
-        *(body.triangles ? &cloth : &fluid) += body.count;
+        if (body.triangles) cloth += body.count;
+        else fluid += body.count;
     }
     int start = report->start.particles;
     int peak = (int)fmax(start, report->stats[STEP_particles].max);
