@@ -1,6 +1,7 @@
 /* Samples on surfaces, through which these act on a fluid. */
 #include "support.h"
 
+#include "sph/neighbours.h"
 #include "sph/surface_samples.h"
 
 #include "projdyn/vec3.h"
@@ -54,11 +55,13 @@ static void test_places(void **state) {
 static void reach_every(struct surface_samples *s, int many) {
     int points = s->particles + s->count;
     int *start = calloc((size_t)points, sizeof *start), *end = calloc((size_t)points, sizeof *end);
-    assert_true(start && end);
+    int *near = calloc((size_t)s->count, sizeof *near);
+    assert_true(start && end && near);
     for (int k = 0; k < s->count; k++) end[s->particles + k] = k % many == 0;
-    samples_update_active(s, &(pdyn_neighbours){.start = start, .end = end});
+    for (int k = 0; k < s->count; k++) near[k] = s->particles + k;
+    samples_update_active(s, &(pdyn_neighbours){.start = start, .end = end}, near, s->count);
     assert_int_equal(s->active_count, (s->count + many - 1) / many);
-    free(start), free(end);
+    free(start), free(end), free(near);
 }
 
 /* S' is the transpose of S: (y, S' z) = (S y, z), also with samples in no list; lumped blocks are
@@ -142,11 +145,13 @@ static void test_stretch(void **state) {
     const pdyn_body *sheet = &sim->body[1];
     for (int i = sheet->first; i < sheet->first + sheet->count; i++)
         for (int a = 0; a < 3; a++) sim->x[3 * i + a] *= 1.1;
+    const struct surface_samples *s = sim->objective.samples;
     samples_update_volumes(sim->objective.samples, sim->x);
-    for (int k = 0; k < sim->objective.samples->count; k++)
-        assert_true(fabs(sim->objective.samples->volume[k] -
-                         1.21 * sim->objective.samples->rest_volume[k]) <=
-                    1e-12 * sim->objective.samples->rest_volume[k]);
+    assert_true(s->near_count > 0);
+    for (int n = 0; n < s->near_count; n++) {
+        int k = s->near[n];
+        assert_true(fabs(s->volume[k] - 1.21 * s->rest_volume[k]) <= 1e-12 * s->rest_volume[k]);
+    }
     pdyn_free(sim);
     pdyn_destroy(context);
 }
@@ -211,10 +216,62 @@ static void test_density(void **state) {
     pdyn_destroy(context);
 }
 
+static const char two_sheets[] =
+    "{'duration': 1, 'bodies': [{'name': 'water', 'particles': {'radius': 0.01, 'fill': [{'box': "
+    "{'minimum': [-0.05, 0, -0.05], 'maximum': [0.05, 0.1, 0.05]}}]}, 'constraints': [{'type': "
+    "'fluid'}]}, {'name': 'near', 'surface': {'grid': {'size': [0.1, 0.1], 'vertices': [6, 6]}, "
+    "'area_density': 0.3}}, {'name': 'far', 'surface': {'grid': {'size': [0.1, 0.1], 'vertices': "
+    "[6, 6]}, 'translate': [0.4, 0, 0], 'area_density': 0.3}}]}";
+
+/* Number of samples in reach of a particle of fluid, each of which must be in its list. */
+static int check_reach(const pdyn_sim *sim, const double *x, double *all) {
+    const struct surface_samples *s = sim->objective.samples;
+    const pdyn_neighbours *l = neighbours_view(sim->objective.neighbours);
+    int reached = 0;
+    samples_interpolate(s, x, all);
+    for (int i = 0; i < sim->body[0].count; i++)
+        for (int j = s->particles; j < s->particles + s->count; j++) {
+            int found = 0;
+            for (int k = l->surface_start[i]; k < l->boundary_start[i]; k++)
+                found += l->index[k] == j;
+            if (vec3_distance(all + 3 * i, all + 3 * j) >= l->surface_support) continue;
+            assert_int_equal(found, 1);
+            reached++;
+        }
+    return reached;
+}
+
+/* Samples far from the fluid are not near, and come into the lists when they move there. */
+static void test_far(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, two_sheets);
+    const struct surface_samples *s = sim->objective.samples;
+    const pdyn_body *far = &sim->body[2];
+    const pdyn_neighbours *l = neighbours_view(sim->objective.neighbours);
+    double *x = test_vector(3 * s->particles), *up = test_vector(3 * (s->particles + s->count));
+    const double *all;
+    memcpy(x, sim->x, objective_bytes(&sim->objective));
+    assert_in_range(s->near_count, 1, s->count / 2);
+    int before = check_reach(sim, x, up);
+    unsigned revision = l->revision;
+    for (int move = 0; move < 80; move++) {
+        for (int i = far->first; i < far->first + far->count; i++) x[3 * i] -= 0.005;
+        assert_int_equal(objective_ensure_lists(&sim->objective, x, &all), PDYN_OK);
+        int reached = check_reach(sim, x, up);
+        assert_true(move < 79 || reached > before);
+    }
+    assert_int_equal(s->near_count, s->count);
+    assert_in_range(l->revision - revision, 1, 60); /* some moves leave the lists valid */
+    free(x), free(up);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_places),  cmocka_unit_test(test_gather),  cmocka_unit_test(test_line),
-        cmocka_unit_test(test_stretch), cmocka_unit_test(test_density),
+        cmocka_unit_test(test_stretch), cmocka_unit_test(test_density), cmocka_unit_test(test_far),
     };
     return cmocka_run_group_tests_name("samples", tests, NULL, NULL);
 }

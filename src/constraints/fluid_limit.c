@@ -74,13 +74,14 @@ WIDE static void limit_block(void *arg, int first, int last, int block) {
     }
 }
 
-/* A sample gets the smallest limit of the fluid particles within the surface support. */
+/* A listed sample gets the smallest limit of the fluid particles within the surface support. */
 static void limit_samples(void *arg, int first, int last, int block) {
     (void)block;
     const struct limit_call *c = arg;
     const pdyn_neighbours *l = c->f->lists;
     double reach = l->surface_support * l->surface_support;
     for (int i = l->particles - l->samples + first; i < l->particles - l->samples + last; i++) {
+        if (l->start[i] == l->surface_start[i]) continue;
         c->max_step[i] =
             fmin(c->max_step[i], limit_outside(&c->fluid, c->x + 3 * (size_t)i, c->spacing));
         for (int s = l->start[i]; s < l->surface_start[i]; s++) {

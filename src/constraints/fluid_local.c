@@ -137,6 +137,8 @@ WIDE static void project_block(void *arg, int first, int last, int block) {
     struct chunk near;
     double energy = 0.0;
     int front = f->block_start[block];
+    f->partial[block] = 0.0;
+    if (!takes_part(f, first, last, block)) return;
     for (int i = first; i < last; i++) {
         f->pair_start[i] = front;
         if (is_fluid(f, i)) energy += project_fluid(f, i, &near, &front);
@@ -154,12 +156,11 @@ static void set_volume(struct fluid *f, int sample, const double *x) {
         l->sample_share[sample] / f->particle_volume, corner, f->growth + 9 * (size_t)sample);
 }
 
-/* Samples in no list keep the volume of the beginning of the step. */
 static void set_positions(void *arg, int first, int last, int block) {
-    (void)block;
     const struct fluid_call *c = arg;
     struct fluid *f = c->f;
     const int first_sample = f->particles - f->samples;
+    if (!takes_part(f, first, last, block)) return;
     for (int i = first; i < last; i++) {
         memcpy(f->x + 4 * i, c->in + 3 * i, 3 * sizeof *c->in);
         if (i >= first_sample && f->lists->end[i] > f->lists->start[i])

@@ -18,6 +18,7 @@ static bool resize_particles(struct fluid *f, bool allocate) {
         {(void **)&f->x, 4 * points, sizeof(double)},
         {(void **)&f->gradient, 4 * particles, sizeof(double)},
         {(void **)&f->vector, 4 * particles, sizeof(double)},
+        {(void **)&f->listed_sample, samples, sizeof(int)},
         {(void **)&f->growth, 9 * samples, sizeof(double)},
         {(void **)&f->tension, samples, sizeof(double)},
         {(void **)&f->value_before, particles, sizeof(double)},
@@ -74,8 +75,11 @@ static void copy_boundary(struct fluid *f) {
     f->boundary_revision = f->lists->boundary_revision;
 }
 
+/* The local step sets volumes of samples. */
 static void set_points(struct fluid *f) {
-    for (int i = 0; i < f->points; i++) f->x[4 * i + 3] = f->lists->volume[i] / f->particle_volume;
+    for (int i = 0; i < f->points; i++)
+        if (i < f->particles - f->samples || i >= f->particles)
+            f->x[4 * i + 3] = f->lists->volume[i] / f->particle_volume;
     f->volume_revision = f->lists->volume_revision;
     copy_boundary(f);
 }
@@ -99,6 +103,22 @@ static size_t place_blocks(struct fluid *f) {
     return (size_t)f->block_start[blocks];
 }
 
+/* The local step visits only particles in blocks that take part. */
+static void clear_others(struct fluid *f) {
+    for (int i = 0; i < f->particles; i++) {
+        if (takes_part(f, i, i + 1, i / FLUID_GRAIN)) continue;
+        f->pair_start[i] = f->pair_end[i] = 0, f->weight_sum[i] = 0.0;
+    }
+}
+
+static void list_samples(struct fluid *f) {
+    const int first = f->particles - f->samples;
+    f->listed = 0;
+    for (int k = 0; k < f->samples; k++)
+        if (f->lists->end[first + k] > f->lists->start[first + k])
+            f->listed_sample[f->listed++] = k;
+}
+
 static bool neighbours(void *self, const pdyn_neighbours *lists) {
     struct fluid *f = self;
     f->lists = lists;
@@ -112,6 +132,7 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
     }
     if (f->volume_revision != lists->volume_revision) set_points(f);
     size_t pairs = place_blocks(f);
+    clear_others(f), list_samples(f);
     if (pairs <= f->pairs) return true;
     release_pairs(f);
     f->pairs = pairs + pairs / 4; /* spare room: later steps seldom allocate */
@@ -129,7 +150,7 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
 static void begin_range(void *arg, int first, int last, int block) {
     (void)block;
     struct fluid *f = ((const struct fluid_call *)arg)->f;
-    for (int i = first; i < last; i++)
+    for (int i = f->first + first; i < f->first + last; i++)
         f->stiffness[i] = f->factor * fluid_stiffness_at(f, f->squares_before[i]);
 }
 
@@ -140,8 +161,8 @@ static void begin(void *self, double h) {
     bool known = f->count && f->value_before[f->first] >= 0.0;
     double damping = known ? f->params.damping : 0.0;
     f->factor = 1.0 + damping / h, f->part = damping / (h + damping);
-    if (known) for_particles(f, f->particles, begin_range, NULL, NULL);
-    else memset(f->stiffness, 0, (size_t)f->particles * sizeof *f->stiffness);
+    if (known) for_particles(f, f->count, begin_range, NULL, NULL);
+    else memset(f->stiffness + f->first, 0, (size_t)f->count * sizeof *f->stiffness);
 }
 
 static double local(void *self, const double *x, double *gradient) {
@@ -189,7 +210,7 @@ static void pressure(void *self, double *out) {
 static void end_step(void *arg, int first, int last, int block) {
     (void)block;
     struct fluid *f = ((const struct fluid_call *)arg)->f;
-    for (int i = first; i < last; i++) {
+    for (int i = f->first + first; i < f->first + last; i++) {
         f->value[i] = compression(f, i);
         f->value_before[i] = fmax(0.0, f->value[i]);
         f->squares_before[i] = f->squares[i];
@@ -198,7 +219,7 @@ static void end_step(void *arg, int first, int last, int block) {
 
 static void accept(void *self) {
     struct fluid *f = self;
-    for_particles(f, f->particles, end_step, NULL, NULL);
+    for_particles(f, f->count, end_step, NULL, NULL);
     f->part = 0.0;
 }
 

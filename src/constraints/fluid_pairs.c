@@ -103,7 +103,8 @@ WIDE static void gradients(void *arg, int first, int last, int block) {
 /* The force of the volume of a sample on the corners of its triangle. One thread: triangles share
  * corners, and samples with pairs are few. */
 static void add_tensions(const struct fluid *f, double *y) {
-    for (int k = 0, i = f->particles - f->samples; k < f->samples; k++, i++) {
+    for (int n = 0; n < f->listed; n++) {
+        int k = f->listed_sample[n], i = f->particles - f->samples + k;
         if (f->pair_end[i] <= f->pair_start[i]) continue;
         for (int m = 0; m < 3; m++)
             vec3_add(y + 3 * (size_t)f->lists->sample_vertex[3 * k + m], f->tension[k],
@@ -194,8 +195,8 @@ WIDE static void add_viscosity(void *arg, int first, int last, int block) {
 
 /* vector = (v, 1) for fluid particles, 0 for the others */
 static void copy_velocities(void *arg, int first, int last, int block) {
-    (void)block;
     const struct fluid_call *c = arg;
+    if (!takes_part(c->f, first, last, block)) return;
     for (int i = first; i < last; i++) {
         v4 v = {0};
         if (is_fluid(c->f, i)) v4_set(&v, c->in + 3 * i, 1.0);

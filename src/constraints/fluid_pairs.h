@@ -31,6 +31,8 @@ struct fluid {
     double spacing, particle_volume;             /* m, m^3 */
     double factor, part;                         /* of damping in a step (fluid_local.c) */
     size_t pairs;                                /* capacity of pair_index and pair */
+    int listed;                                  /* samples with neighbours */
+    int *listed_sample;                          /* listed: their numbers */
     int *block_start;           /* blocks + 1: first pair of each block of points */
     int *pair_start, *pair_end; /* particles: range of pairs within the support */
     int *pair_index;            /* pairs: the neighbour */
@@ -82,10 +84,11 @@ static inline void for_particles(struct fluid *f, int count, pdyn_range_fn *fn, 
     f->services->parallel_for(f->services->core, count, FLUID_GRAIN, fn, &call);
 }
 
-/* True for a block of particles with fluid or pairs: most samples of a large surface have none. */
+/* True for a block of particles with fluid or neighbours: most samples of a large surface have
+ * none. */
 static inline bool takes_part(const struct fluid *f, int first, int last, int block) {
     bool fluid = first < f->first + f->count && last > f->first;
-    return fluid || f->pair_end[last - 1] > f->block_start[block];
+    return fluid || f->block_start[block + 1] > f->block_start[block];
 }
 
 /* Gradient and value of a pair, in double. */

@@ -76,34 +76,34 @@ static void inertia(void *arg, int first, int last, int block) {
     c->objective->partial[block] = energy;
 }
 
+typedef void interpolate_fn(const struct surface_samples *samples, const double *x, double *out);
+
 /* The points of SPH sums: particles, then samples of surfaces. */
-static const double *with_samples(const struct objective *o, const double *x) {
+static const double *with_samples(const struct objective *o, const double *x,
+                                  interpolate_fn *interpolate) {
     if (!o->samples) return x;
-    samples_interpolate(o->samples, x, o->samples->x);
+    interpolate(o->samples, x, o->samples->x);
     return o->samples->x;
 }
 
 pdyn_status objective_share_lists(struct objective *o) {
     const pdyn_neighbours *view = neighbours_view(o->neighbours);
     pdyn_status status = PDYN_OK;
-    if (o->samples) samples_update_active(o->samples, view);
+    int near_count;
+    const int *near = neighbours_near(o->neighbours, &near_count);
+    if (o->samples) samples_update_active(o->samples, view, near, near_count);
     for (int b = 0; status == PDYN_OK && b < o->batches; b++)
         status = batch_neighbours(o->batch[b], view);
     o->lists_revision = view->revision;
     return status;
 }
 
-/* Builds lists at x, which ends with the samples, and gives them to every batch. */
-static pdyn_status build_lists(struct objective *o, const double *x) {
+pdyn_status objective_build_lists(struct objective *o, const double *x) {
     double start = clock_ms();
-    pdyn_status status = neighbours_build(o->neighbours, x);
+    pdyn_status status = neighbours_build(o->neighbours, with_samples(o, x, samples_interpolate));
     if (status == PDYN_OK) status = objective_share_lists(o);
     o->ms_neighbours += clock_ms() - start;
     return status;
-}
-
-pdyn_status objective_build_lists(struct objective *o, const double *x) {
-    return build_lists(o, with_samples(o, x));
 }
 
 static bool lists_are_complete(const struct objective *o, const double *x) {
@@ -111,8 +111,8 @@ static bool lists_are_complete(const struct objective *o, const double *x) {
 }
 
 pdyn_status objective_ensure_lists(struct objective *o, const double *x, const double **all) {
-    *all = with_samples(o, x);
-    return lists_are_complete(o, *all) ? PDYN_OK : build_lists(o, *all);
+    *all = with_samples(o, x, samples_interpolate_near);
+    return lists_are_complete(o, *all) ? PDYN_OK : objective_build_lists(o, x);
 }
 
 pdyn_status objective_local(struct objective *o, const double *x, double *energy,

@@ -56,12 +56,16 @@ static void persist_particles(struct pdyn_sim *sim, struct snapshot_file *file) 
 }
 
 /* Neighbour lists are built again at the positions of their last build, because the order of their
- * entries determines rounding errors of sums; then solids are moved to the current time. */
+ * entries determines rounding errors of sums; samples that are not near have these positions, too.
+ * Then solids are moved to the current time. */
 static void persist_neighbours(struct pdyn_sim *sim, struct snapshot_file *file) {
     if (!sim->objective.neighbours) return;
     if (file->view.reading && file->status == PDYN_OK) live_particles_update_lists(sim);
     neighbours_persist(sim->objective.neighbours, file);
     if (!file->view.reading || file->status != PDYN_OK) return;
+    struct surface_samples *samples = sim->objective.samples;
+    if (samples)
+        samples_interpolate(samples, neighbours_built_at(sim->objective.neighbours), samples->x);
     file->status = objective_share_lists(&sim->objective);
     kinematic_move(sim, sim->time);
 }

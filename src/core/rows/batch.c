@@ -135,7 +135,7 @@ static void operator_diagonal(struct batch *b, one_sided_diagonal_fn *add, doubl
         add(&b->one_sided, b->eps, blocks);
         return;
     }
-    memset(b->samples->blocks, 0, 6 * (size_t)b->one_sided.particles * sizeof *blocks);
+    samples_clear_blocks(b->samples);
     add(&b->one_sided, b->eps, b->samples->blocks);
     samples_scatter_blocks(b->samples, b->samples->blocks, blocks);
 }

@@ -43,10 +43,13 @@ struct neighbours {
     const int *apart;            /* of neighbours_set_live */
     double centre_volume;        /* m^3 */
     int system;                  /* particles of the system, surface samples not included */
-    int max_active;              /* largest number of active particles */
+    const double *far_volume;    /* m^3: samples that are not near, their rest volumes; or NULL */
+    int max_centres;             /* largest number of active fluid particles */
+    int surface_points;          /* number of samples */
+    int surface_room;            /* those for which `index` has room */
     int centres;                 /* number of active fluid particles */
-    int active;                  /* number of active particles, samples included */
-    int *id;                     /* active: their indices, centres first */
+    int active;                  /* the same, and the near samples */
+    int *id;                     /* active: their indices, centres first; by the last build */
     double *volume, *boundary_x; /* points; boundary points x 3, m */
     double *built_x;             /* particles x 3, m: positions at the last build */
     struct grid fluid, surface;  /* centres; surface samples */
@@ -60,7 +63,7 @@ struct neighbours {
     struct lists lists;
     int room;        /* capacity of a block, in neighbours */
     int *used;       /* blocks: neighbours used */
-    bool *displaced; /* parallel blocks of active particles: one has left its skin */
+    bool *displaced; /* parallel blocks of particles: one has left its skin */
     bool built;
     struct visibility visibility;
 };

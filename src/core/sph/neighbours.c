@@ -1,6 +1,7 @@
 /* Neighbour lists by uniform grids: build, validity, moving boundary points. */
 #include "neighbour_lists.h"
 
+#include "projdyn/box.h"
 #include "projdyn/vec3.h"
 
 #include <string.h>
@@ -60,14 +61,50 @@ static pdyn_status sort_boundary(struct neighbours *n) {
     return status == PDYN_OK ? sort_moving(n) : status;
 }
 
-/* Lists the active particles, centres first. */
-static void list_active(struct neighbours *n) {
-    n->active = n->centres = 0;
+static bool is_active_centre(const struct neighbours *n, int i) {
+    return n->volume[i] > 0.0 && n->centre[i];
+}
+
+static bool is_surface_point(const struct neighbours *n, int i) {
+    return n->volume[i] > 0.0 && !n->centre[i];
+}
+
+static void count_points(struct neighbours *n) {
     for (int i = 0; i < n->view.particles; i++)
-        if (n->volume[i] > 0.0 && n->centre[i]) n->id[n->active++] = i;
+        n->max_centres += is_active_centre(n, i), n->surface_points += is_surface_point(n, i);
+}
+
+static void clear_list(struct neighbours *n, int i) {
+    n->lists.start[i] = n->lists.surface_start[i] = 0;
+    n->lists.boundary_start[i] = n->lists.patch_start[i] = n->lists.end[i] = 0;
+}
+
+/* Not for NaN, which the search reports. */
+static bool is_outside(const struct box *box, const double *x) {
+    bool outside = false;
+    for (int a = 0; a < 3; a++) outside |= x[a] < box->min[a] || x[a] > box->max[a];
+    return outside;
+}
+
+/* The sample has no list; when it comes near within a step it has its rest volume. */
+static void set_far(struct neighbours *n, int i) {
+    if (n->far_volume) n->volume[i] = n->far_volume[i - n->system];
+    clear_list(n, i);
+}
+
+/* Lists the centres, then the samples that are near them at x. */
+static void list_active(struct neighbours *n, const double *x) {
+    struct box near = box_empty;
+    n->active = 0;
+    for (int i = 0; i < n->system; i++)
+        if (is_active_centre(n, i)) n->id[n->active++] = i, box_add(&near, x + 3 * (size_t)i);
     n->centres = n->active;
-    for (int i = 0; i < n->view.particles; i++)
-        if (n->volume[i] > 0.0 && !n->centre[i]) n->id[n->active++] = i;
+    box_grow(&near, n->surface_reach + n->skin);
+    for (int i = 0; i < n->view.particles; i++) {
+        if (!is_surface_point(n, i)) continue;
+        if (is_outside(&near, x + 3 * (size_t)i)) set_far(n, i);
+        else n->id[n->active++] = i;
+    }
 }
 
 static int part_of(const struct neighbours_points *points, int b) {
@@ -96,8 +133,8 @@ static void fill_points(struct neighbours *n, const struct neighbours_points *po
     for (int i = 0; i < points->particles; i++)
         if (n->centre[i]) n->centre_volume = n->volume[i];
     list_boundary(n, points);
-    list_active(n);
-    n->max_active = n->active, n->room = INITIAL_ROOM, n->view.volume_revision = 1;
+    count_points(n);
+    n->room = INITIAL_ROOM, n->view.volume_revision = 1;
     n->view.volume = n->volume, n->view.boundary_x = n->boundary_x;
     n->view.start = n->lists.start, n->view.surface_start = n->lists.surface_start;
     n->view.boundary_start = n->lists.boundary_start, n->view.patch_start = n->lists.patch_start;
@@ -106,6 +143,7 @@ static void fill_points(struct neighbours *n, const struct neighbours_points *po
     n->view.samples = samples->count;
     n->view.sample_vertex = samples->vertex, n->view.sample_weight = samples->weight;
     n->view.sample_share = samples->share;
+    n->far_volume = samples->rest_volume;
 }
 
 static double boundary_reach(const struct neighbours *n, int part) {
@@ -113,9 +151,9 @@ static double boundary_reach(const struct neighbours *n, int part) {
 }
 
 static pdyn_status create_grids(struct neighbours *n) {
-    pdyn_status status = grid_create(n->context, n->centres, n->reach, &n->fluid);
+    pdyn_status status = grid_create(n->context, n->max_centres, n->reach, &n->fluid);
     if (status == PDYN_OK)
-        status = grid_create(n->context, n->active - n->centres, n->surface_reach, &n->surface);
+        status = grid_create(n->context, n->surface_points, n->surface_reach, &n->surface);
     for (int part = 0; part < BOUNDARY_PARTS && status == PDYN_OK; part++)
         status = grid_create(n->context, n->part[part + 1] - n->part[part], boundary_reach(n, part),
                              &n->boundary[part]);
@@ -171,18 +209,20 @@ void neighbours_set_live(struct neighbours *n, const bool *live, const int *apar
     n->apart = apart;
     for (int i = 0; i < n->view.particles; i++) {
         if (n->centre[i]) n->volume[i] = live[i] ? n->centre_volume : 0.0;
-        if (n->volume[i] > 0.0) continue;
-        n->lists.start[i] = n->lists.surface_start[i] = 0;
-        n->lists.boundary_start[i] = n->lists.patch_start[i] = n->lists.end[i] = 0;
+        if (!(n->volume[i] > 0.0)) clear_list(n, i);
     }
-    list_active(n);
     n->built = n->visibility.complete = false;
     n->view.volume_revision++;
 }
 
+const int *neighbours_near(const struct neighbours *n, int *count) {
+    *count = n->active - n->centres;
+    return n->id + n->centres;
+}
+
 void neighbours_set_sample_volumes(struct neighbours *n, const struct surface_samples *samples) {
-    int first = n->view.particles - samples->count;
-    memcpy(n->volume + first, samples->volume, (size_t)samples->count * sizeof *n->volume);
+    for (int k = n->centres; k < n->active; k++)
+        n->volume[n->id[k]] = samples->volume[n->id[k] - n->system];
     n->view.volume_revision++;
 }
 
@@ -204,25 +244,41 @@ static double slack(const struct neighbours *n) {
     return fmax(0.0, fmin(0.5 * n->skin, n->skin - n->boundary_shift));
 }
 
+static bool has_moved(const struct call *c, int i, double limit) {
+    const double *a = c->x + 3 * (size_t)i, *b = c->n->built_x + 3 * (size_t)i;
+    double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return !(vec3_dot(d, d) < limit * limit); /* true for NaN, too */
+}
+
 static void find_moved(void *arg, int first, int last, int block) {
     const struct call *c = arg;
-    double limit = slack(c->n) * slack(c->n);
+    double limit = slack(c->n);
     bool moved = false;
-    for (int k = first; k < last; k++) {
-        const double *a = c->x + 3 * c->n->id[k], *b = c->n->built_x + 3 * c->n->id[k];
-        double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-        moved |= !(vec3_dot(d, d) < limit); /* true for NaN, too */
-    }
+    for (int k = first; k < last; k++) moved |= has_moved(c, c->n->id[k], limit);
     c->n->displaced[block] = moved;
 }
 
-bool neighbours_are_valid(struct neighbours *n, const double *x) {
-    if (!n->built) return false;
-    struct call call = {n, x};
-    pool_for(n->context->pool, n->active, CHECK_GRAIN, find_moved, &call);
+/* A sample moves no farther than the corners of its triangle. One that is not near may come closer
+ * by one more skin. */
+static void find_far_moved(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    double limit = slack(c->n) + c->n->skin;
     bool moved = false;
-    for (int b = 0; b < pool_blocks(n->active, CHECK_GRAIN); b++) moved |= n->displaced[b];
+    for (int i = first; i < last; i++) moved |= !c->n->centre[i] && has_moved(c, i, limit);
+    c->n->displaced[block] = moved;
+}
+
+static bool none_moved(struct neighbours *n, int count, pdyn_range_fn *find, const double *x) {
+    bool moved = false;
+    pool_for(n->context->pool, count, CHECK_GRAIN, find, &(struct call){n, x});
+    for (int b = 0; b < pool_blocks(count, CHECK_GRAIN); b++) moved |= n->displaced[b];
     return !moved;
+}
+
+bool neighbours_are_valid(struct neighbours *n, const double *x) {
+    if (!n->built || !none_moved(n, n->active, find_moved, x)) return false;
+    bool all_near = n->active - n->centres == n->surface_points;
+    return all_near || none_moved(n, n->system, find_far_moved, x);
 }
 
 /* ---- build ----------------------------------------------------------------------------------- */
@@ -283,16 +339,21 @@ static void fill_lists(void *arg, int first, int last, int block) {
     n->used[block] = w.used;
 }
 
-/* Allocates `index` with `room` entries per block. PDYN_DIVERGED: more than 2^31 neighbours. */
+/* Allocates `index` with `room` entries per block, for more samples than are near. PDYN_DIVERGED:
+ * more than 2^31 neighbours. */
 static pdyn_status reserve(struct neighbours *n) {
-    size_t capacity = (size_t)pool_blocks(n->max_active, NEIGHBOURS_GRAIN) * ((size_t)n->room + 1);
+    int near = n->active - n->centres;
+    if (near > n->surface_room)
+        n->surface_room = near < n->surface_points - near / 4 ? near + near / 4 : n->surface_points;
+    int points = n->max_centres + n->surface_room;
+    size_t capacity = (size_t)pool_blocks(points, NEIGHBOURS_GRAIN) * ((size_t)n->room + 1);
     if (capacity <= n->lists.capacity) return PDYN_OK;
     if (capacity > INT32_MAX)
         return context_fail(n->context, PDYN_DIVERGED,
                             "more than 2^31 neighbours, room for %d of each of %d particles: "
                             "larger particles, inlets with a smaller \"budget\", or the fluid has "
                             "collapsed",
-                            n->room / NEIGHBOURS_GRAIN, n->max_active);
+                            n->room / NEIGHBOURS_GRAIN, points);
     FREE_ARRAY(n->context, n->lists.index, n->lists.capacity);
     n->lists.capacity = capacity;
     n->lists.index = NEW_ARRAY(n->context, capacity, int);
@@ -321,6 +382,7 @@ static pdyn_status fill(struct neighbours *n, const double *x) {
 pdyn_status neighbours_build(struct neighbours *n, const double *x) {
     n->built = false;
     pdyn_status status = n->boundary_shift > 0.0 ? sort_moving(n) : PDYN_OK;
+    list_active(n, x);
     if (status == PDYN_OK) status = grid_sort(n->context, &n->fluid, n->centres, n->id, x);
     if (status == PDYN_OK)
         status = grid_sort(n->context, &n->surface, n->active - n->centres, n->id + n->centres, x);
@@ -347,6 +409,8 @@ void neighbours_persist(struct neighbours *n, struct snapshot_file *file) {
     file->status = sort_moving(n);
     if (file->status == PDYN_OK && n->built) file->status = neighbours_build(n, n->built_x);
 }
+
+const double *neighbours_built_at(const struct neighbours *n) { return n->built_x; }
 
 /* Since the last build no centre has moved by more than half the skin. */
 void neighbours_visit(const struct neighbours *n, const double *at, double radius,

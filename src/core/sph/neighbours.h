@@ -13,7 +13,11 @@
  * has moved by half the skin, or less if boundary points move, too. Pairs are a centre (a fluid
  * particle) with another centre, with a surface sample (both ways), and with a boundary point. Two
  * centres, or a centre and a boundary point, that had a surface between them when the lists were
- * built are no pair: nothing passes through a surface, so it stays between them. */
+ * built are no pair: nothing passes through a surface, so it stays between them.
+ *
+ * A surface may be much larger than the fluid. Its samples outside the box of the centres, grown by
+ * the support and two skins, are not near: they have no list, and neither their positions nor their
+ * volumes are needed until the next build. */
 struct neighbours;
 
 struct kernel_model;
@@ -48,13 +52,16 @@ void neighbours_free(struct neighbours *neighbours);
  * active at once. apart: particles, or NULL; must stay valid: where it is not 0, a particle has no
  * neighbours on surfaces and solids. */
 void neighbours_set_live(struct neighbours *neighbours, const bool *live, const int *apart);
-/* Copies the volumes of the surface samples. */
+/* Numbers of the surface samples that are near since the last build, after the particles of the
+ * system; *count of them. */
+const int *neighbours_near(const struct neighbours *neighbours, int *count);
+/* Copies the volumes of near samples. */
 void neighbours_set_sample_volumes(struct neighbours *neighbours,
                                    const struct surface_samples *samples);
 /* Moves the boundary points that may move to x (moving x 3, m). */
 void neighbours_move_boundary(struct neighbours *neighbours, const double *x);
 
-/* Whether the lists are complete at x (particles x 3, m). */
+/* Whether the lists are complete at x (particles x 3, m; of samples, those that are near). */
 bool neighbours_are_valid(struct neighbours *neighbours, const double *x);
 
 /* Builds the lists at x (particles x 3, m) and increments their revision. PDYN_DIVERGED: a position
@@ -65,6 +72,9 @@ pdyn_status neighbours_build(struct neighbours *neighbours, const double *x);
 /* Saves the positions of the last build, or reads them and builds the lists there. Before reading,
  * neighbours_set_live must have been called; after it, neighbours_move_boundary must be called. */
 void neighbours_persist(struct neighbours *neighbours, struct snapshot_file *snapshot);
+
+/* Positions at the last build, particles x 3, m. */
+const double *neighbours_built_at(const struct neighbours *neighbours);
 
 /* Begins a step at x (system x 3, m), which must not change until the step ends. */
 void neighbours_begin_step(struct neighbours *neighbours, const double *x);

@@ -51,6 +51,17 @@ void samples_interpolate(const struct surface_samples *s, const double *x, doubl
     parallel_for(s, s->count, SAMPLES, interpolate_all, x, out, 3);
 }
 
+static void interpolate_near(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = first; k < last; k++) interpolate(c->s, c->s->near[k], c->in, c->out);
+}
+
+void samples_interpolate_near(const struct surface_samples *s, const double *x, double *out) {
+    parallel_for(s, s->particles, PARTICLES, copy_particles, x, out, 3);
+    parallel_for(s, s->near_count, SAMPLES, interpolate_near, x, out, 3);
+}
+
 WIDE static void interpolate_active(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
@@ -65,19 +76,27 @@ void samples_interpolate_active(const struct surface_samples *s, const double *u
 static void clear_particles(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
-    memset(c->out + 3 * (size_t)first, 0, 3 * (size_t)(last - first) * sizeof *c->out);
+    size_t numbers = (size_t)c->numbers;
+    memset(c->out + numbers * (size_t)first, 0, numbers * (size_t)(last - first) * sizeof *c->out);
 }
 
 static void clear_active(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
+    size_t numbers = (size_t)c->numbers;
     for (int k = first; k < last; k++)
-        memset(c->out + 3 * (size_t)(c->s->particles + c->s->active[k]), 0, 3 * sizeof *c->out);
+        memset(c->out + numbers * (size_t)(c->s->particles + c->s->active[k]), 0,
+               numbers * sizeof *c->out);
 }
 
 void samples_clear(const struct surface_samples *s, bool particles) {
     if (particles) parallel_for(s, s->particles, PARTICLES, clear_particles, NULL, s->output, 3);
     parallel_for(s, s->active_count, SAMPLES, clear_active, NULL, s->output, 3);
+}
+
+void samples_clear_blocks(const struct surface_samples *s) {
+    parallel_for(s, s->particles, PARTICLES, clear_particles, NULL, s->blocks, 6);
+    parallel_for(s, s->active_count, SAMPLES, clear_active, NULL, s->blocks, 6);
 }
 
 static void add_particles(void *arg, int first, int last, int block) {
@@ -129,7 +148,7 @@ void samples_limit_motion(const struct surface_samples *s, double *max_step) {
                     fmin(max_step[s->vertex[m]], max_step[s->particles + s->active[k]]);
 }
 
-/* ---- active samples -------------------------------------------------------------------------- */
+/* ---- near and active samples ----------------------------------------------------------------- */
 
 /* For every corner of active samples, lists the entries in which it appears. scratch: number of
  * entries per particle, then the next entry to write. */
@@ -151,11 +170,13 @@ static void list_corners(struct surface_samples *s) {
             s->corner_entry[s->scratch[s->vertex[m]]++] = m;
 }
 
-void samples_update_active(struct surface_samples *s, const pdyn_neighbours *lists) {
-    s->active_count = 0;
-    for (int k = 0; k < s->count; k++)
-        if (lists->end[s->particles + k] > lists->start[s->particles + k])
-            s->active[s->active_count++] = k;
+void samples_update_active(struct surface_samples *s, const pdyn_neighbours *lists, const int *near,
+                           int near_count) {
+    s->near_count = near_count, s->active_count = 0;
+    for (int k = 0; k < near_count; k++) {
+        s->near[k] = near[k] - s->particles;
+        if (lists->end[near[k]] > lists->start[near[k]]) s->active[s->active_count++] = s->near[k];
+    }
     list_corners(s);
 }
 
@@ -174,11 +195,14 @@ static void compute_volumes(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     const struct surface_samples *s = c->s;
-    for (int k = first; k < last; k++) c->out[k] = s->share[k] * area(s, k, c->in);
+    for (int n = first; n < last; n++) {
+        int k = s->near[n];
+        c->out[k] = s->share[k] * area(s, k, c->in);
+    }
 }
 
 void samples_update_volumes(struct surface_samples *s, const double *x) {
-    parallel_for(s, s->count, SAMPLES, compute_volumes, x, s->volume, 1);
+    parallel_for(s, s->near_count, SAMPLES, compute_volumes, x, s->volume, 1);
 }
 
 /* ---- creation -------------------------------------------------------------------------------- */
@@ -192,6 +216,7 @@ static bool resize_arrays(struct surface_samples *s, enum array_action action) {
         ARRAY(s->rest_volume, count),
         ARRAY(s->rest_area, count),
         ARRAY(s->share, count),
+        ARRAY(s->near, count),
         ARRAY(s->active, count),
         ARRAY(s->corner, particles),
         ARRAY(s->scratch, particles),
@@ -265,8 +290,6 @@ static pdyn_status fill(struct surface_samples *s, int bodies, const pdyn_body *
     }
     if (status != PDYN_OK) return status;
     for (int k = 0; k < s->count; k++) s->share[k] = s->rest_volume[k] / area(s, k, rest);
-    for (int k = 0; k < s->count; k++) s->active[s->active_count++] = k;
-    list_corners(s);
     return PDYN_OK;
 }
 

@@ -23,6 +23,8 @@ struct surface_samples {
     double *rest_volume; /* count, m^3: volume at rest */
     double *rest_area;   /* count, m^2: area at rest of the surface that the sample represents */
     double *share;       /* count, m: volume over the area of the sample's triangle; constant */
+    int near_count;      /* samples that a neighbour list may contain soon (neighbours.h) */
+    int *near;           /* near_count: their indices */
     int active_count;    /* samples that appear in at least one neighbour list */
     int *active;         /* active_count: their indices */
     int corner_count;    /* particles that are corners of active samples */
@@ -30,7 +32,8 @@ struct surface_samples {
     int *corner_start;   /* corner_count + 1: first entry of each in corner_entry */
     int *corner_entry;   /* 3 active_count: indices into vertex and weight, ascending per corner */
     int *scratch;        /* particles */
-    double *x;           /* extended vector with 3 (particles + count) + 1 numbers: positions, m */
+    double *x; /* extended vector with 3 (particles + count) + 1 numbers: positions, m; of samples
+                  that are not near those of the last build of the lists */
     double *input, *output; /* extended vectors: input and output of an operator */
     double *blocks;         /* (particles + count) x 6 */
 };
@@ -45,6 +48,9 @@ void samples_free(struct surface_samples *samples);
 /* out = (x, S x), for all samples. x: particles x 3; out: (particles + count) x 3. */
 void samples_interpolate(const struct surface_samples *samples, const double *x, double *out);
 
+/* The same for near samples; the others in out stay. */
+void samples_interpolate_near(const struct surface_samples *samples, const double *x, double *out);
+
 /* The same of sample k alone. */
 INLINE void samples_at(const struct surface_samples *samples, int k, const double *x,
                        double at[3]) {
@@ -53,9 +59,10 @@ INLINE void samples_at(const struct surface_samples *samples, int k, const doubl
         vec3_add(at, samples->weight[m], x + 3 * (size_t)samples->vertex[m]);
 }
 
-/* Call after the lists were built: finds the active samples. All functions below except
- * samples_update_volumes use active samples only. */
-void samples_update_active(struct surface_samples *samples, const pdyn_neighbours *lists);
+/* Call after the lists were built, near: numbers of points (neighbours.h). Finds the active
+ * samples. All functions below except samples_update_volumes use active samples only. */
+void samples_update_active(struct surface_samples *samples, const pdyn_neighbours *lists,
+                           const int *near, int near_count);
 
 /* samples->input = (u, S u); u may be samples->input itself. */
 void samples_interpolate_active(const struct surface_samples *samples, const double *u);
@@ -66,6 +73,9 @@ void samples_clear(const struct surface_samples *samples, bool particles);
 /* y += f + S' f_s, with extended = (f, f_s). If y == extended, y already contains f. */
 void samples_scatter(const struct surface_samples *samples, const double *extended, double *y);
 
+/* Sets the blocks of particles and samples to 0. */
+void samples_clear_blocks(const struct surface_samples *samples);
+
 /* Adds a block diagonal, packed, 6 numbers per particle. The blocks of a sample are lumped to its
  * corners by weight, which is an upper bound of S' D S. */
 void samples_scatter_blocks(const struct surface_samples *samples, const double *extended,
@@ -75,7 +85,7 @@ void samples_scatter_blocks(const struct surface_samples *samples, const double 
  * particles, then samples, m. */
 void samples_limit_motion(const struct surface_samples *samples, double *max_step);
 
-/* Scales the volumes with the areas of the triangles at x, particles x 3, m. */
+/* Scales the volumes of near samples with the areas of their triangles at x, particles x 3, m. */
 void samples_update_volumes(struct surface_samples *samples, const double *x);
 
 #endif

@@ -53,13 +53,14 @@ static pdyn_status predict(struct pdyn_sim *sim, const struct step_end *end) {
 static pdyn_status prepare_lists(struct pdyn_sim *sim) {
     struct objective *objective = &sim->objective;
     struct wet_sides *wet = objective->wet_sides;
-    const double *all;
+    const double *all = NULL;
+    pdyn_status status = PDYN_OK;
+    if (objective->neighbours && (sim->live || wet))
+        status = objective_ensure_lists(objective, sim->x, &all);
     if (objective->samples) {
         samples_update_volumes(objective->samples, sim->x);
         neighbours_set_sample_volumes(objective->neighbours, objective->samples);
     }
-    if (!objective->neighbours || !(sim->live || wet)) return PDYN_OK;
-    pdyn_status status = objective_ensure_lists(objective, sim->x, &all);
     return status == PDYN_OK && wet ? wet_sides_find(wet, all) : status;
 }
 
