@@ -23,9 +23,9 @@ static const double patience = 1.5;
 
 /* An unsolved step counts as so many times its work. */
 static const double unsolved_penalty = 4.0;
-/* The other solver is tried when the work of a step exceeds this many times that of the last trial
+/* The other solver is tried when the work of a step exceeds this many times its own, as last known
  * (docs/theory/solvers.md). */
-static const double grown = 3.0;
+static const double behind = 1.25;
 
 /* ---- which solvers --------------------------------------------------------------------------- */
 
@@ -159,7 +159,6 @@ static void end_trial(struct pdyn_sim *sim) {
     c->wait = won ? SHORTEST_WAIT : 2 * c->wait < LONGEST_WAIT ? 2 * c->wait : LONGEST_WAIT;
     c->next = sim->steps + c->wait;
     if (!won) change_solver(sim);
-    c->reference = c->slot[c->active].cost;
 }
 
 void solver_choice_open(struct pdyn_sim *sim) { sim->choice.opened = sim->objective.work; }
@@ -180,7 +179,8 @@ void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved) {
     c->dual_steps += c->active;
     if (c->trial || dual_has_failed(sim)) {
         end_trial(sim);
-    } else if (iterations > CHEAP && (sim->steps >= c->next || now->cost > grown * c->reference)) {
+    } else if (iterations > CHEAP &&
+               (sim->steps >= c->next || now->cost > behind * c->slot[!c->active].cost)) {
         c->trial = true;
         change_solver(sim);
     }
@@ -216,7 +216,6 @@ static void persist_numbers(struct solver_choice *c, struct snapshot_file *file)
     snapshot_file_long(file, &c->wait, LONGEST_WAIT, "the steps between trials are out of range");
     snapshot_file_long(file, &c->next, LONG_MAX, "the step of the next trial is negative");
     snapshot_file_long(file, &c->dual_steps, LONG_MAX, "the number of dual steps is negative");
-    snapshot_file_numbers(file, &c->reference, 1, "the cost of a step is not finite");
     for (int k = 0; k < c->count; k++) {
         snapshot_file_numbers(file, &c->slot[k].cost, 1, "the cost of a step is not finite");
         snapshot_file_range(file, &c->slot[k].damping, 1, 1.0,

@@ -4,8 +4,8 @@
  * iterations in positions and some dozens in pressures, and calm water the other way round.
  *
  * Where the scene asks for "auto", work is counted (objective.work): the solver in use is the one
- * whose steps take less. The other one is tried for a step when the cost has tripled since the last
- * trial, or after a number of steps, which grows with every trial that it loses. A step that takes
+ * whose steps take less. The other one is tried for a step when the cost exceeds its own as last
+ * known, or after a number of steps, which grows with every trial that it loses. A step that takes
  * many times the work of the steps before it is continued by the other solver. A step in pressures
  * that ends far from solved is the last one for a while. A solver that comes back into use has the
  * damping that it had: to find it again would take up to three times the work of a step. Counts
@@ -34,7 +34,6 @@ struct solver_choice {
     bool fresh;                 /* the active one has not solved in this step yet */
     bool handed_over;           /* this step goes on with the solver that did not begin it */
     long wait, next;            /* steps between two trials; step of the next trial */
-    double reference;           /* cost after the last trial */
     int64_t opened;             /* objective.work at the beginning of this attempt at a step */
     long dual_steps;            /* accepted steps with the second one */
 };
