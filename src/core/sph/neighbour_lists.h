@@ -1,5 +1,5 @@
-/* Private state of the neighbour lists: neighbours.c builds the lists, visibility.c removes from
- * them the pairs that a surface separates. */
+/* Private state of the neighbour lists: neighbour_points.c says which points have one, neighbours.c
+ * builds the lists, visibility.c removes from them the pairs that a surface separates. */
 #ifndef PDYN_NEIGHBOUR_LISTS_H
 #define PDYN_NEIGHBOUR_LISTS_H
 
@@ -67,6 +67,13 @@ struct neighbours {
     bool built;
     struct visibility visibility;
 };
+
+/* Counts the particles that may have a list, and sorts boundary points into parts. */
+void neighbour_points_count(struct neighbours *neighbours, const struct neighbours_points *points);
+/* Lists the active centres, then the samples that are near these at x (particles x 3, m). */
+void neighbour_points_list(struct neighbours *neighbours, const double *x);
+/* The list of particle i is empty. */
+void neighbour_points_clear(struct neighbours *neighbours, int i);
 
 /* Allocates the state; occlusion NULL: none. */
 pdyn_status visibility_create(struct neighbours *neighbours, struct occlusion *occlusion);

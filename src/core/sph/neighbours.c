@@ -1,7 +1,6 @@
 /* Neighbour lists by uniform grids: build, validity, moving boundary points. */
 #include "neighbour_lists.h"
 
-#include "projdyn/box.h"
 #include "projdyn/vec3.h"
 
 #include <string.h>
@@ -61,68 +60,6 @@ static pdyn_status sort_boundary(struct neighbours *n) {
     return status == PDYN_OK ? sort_moving(n) : status;
 }
 
-static bool is_active_centre(const struct neighbours *n, int i) {
-    return n->volume[i] > 0.0 && n->centre[i];
-}
-
-static bool is_surface_point(const struct neighbours *n, int i) {
-    return n->volume[i] > 0.0 && !n->centre[i];
-}
-
-static void count_points(struct neighbours *n) {
-    for (int i = 0; i < n->view.particles; i++)
-        n->max_centres += is_active_centre(n, i), n->surface_points += is_surface_point(n, i);
-}
-
-static void clear_list(struct neighbours *n, int i) {
-    n->lists.start[i] = n->lists.surface_start[i] = 0;
-    n->lists.boundary_start[i] = n->lists.patch_start[i] = n->lists.end[i] = 0;
-}
-
-/* Not for NaN, which the search reports. */
-static bool is_outside(const struct box *box, const double *x) {
-    bool outside = false;
-    for (int a = 0; a < 3; a++) outside |= x[a] < box->min[a] || x[a] > box->max[a];
-    return outside;
-}
-
-/* The sample has no list; when it comes near within a step it has its rest volume. */
-static void set_far(struct neighbours *n, int i) {
-    if (n->far_volume) n->volume[i] = n->far_volume[i - n->system];
-    clear_list(n, i);
-}
-
-/* Lists the centres, then the samples that are near them at x. */
-static void list_active(struct neighbours *n, const double *x) {
-    struct box near = box_empty;
-    n->active = 0;
-    for (int i = 0; i < n->system; i++)
-        if (is_active_centre(n, i)) n->id[n->active++] = i, box_add(&near, x + 3 * (size_t)i);
-    n->centres = n->active;
-    box_grow(&near, n->surface_reach + n->skin);
-    for (int i = 0; i < n->view.particles; i++) {
-        if (!is_surface_point(n, i)) continue;
-        if (is_outside(&near, x + 3 * (size_t)i)) set_far(n, i);
-        else n->id[n->active++] = i;
-    }
-}
-
-static int part_of(const struct neighbours_points *points, int b) {
-    bool moves = b >= points->boundary - points->moving;
-    return points->is_wall[b] ? WALLS + moves : PATCHES + moves;
-}
-
-/* Lists the boundary points by parts. */
-static void list_boundary(struct neighbours *n, const struct neighbours_points *points) {
-    int count = 0;
-    for (int part = 0; part < BOUNDARY_PARTS; part++) {
-        n->part[part] = count;
-        for (int b = 0; b < points->boundary; b++)
-            if (part_of(points, b) == part) n->boundary_id[count++] = b;
-    }
-    n->part[BOUNDARY_PARTS] = count;
-}
-
 /* Copies the points and initialises the public view. */
 static void fill_points(struct neighbours *n, const struct neighbours_points *points,
                         const struct surface_samples *samples) {
@@ -132,8 +69,7 @@ static void fill_points(struct neighbours *n, const struct neighbours_points *po
     if (boundary) memcpy(n->boundary_x, points->boundary_x, 3 * boundary * sizeof *n->boundary_x);
     for (int i = 0; i < points->particles; i++)
         if (n->centre[i]) n->centre_volume = n->volume[i];
-    list_boundary(n, points);
-    count_points(n);
+    neighbour_points_count(n, points);
     n->room = INITIAL_ROOM, n->view.volume_revision = 1;
     n->view.volume = n->volume, n->view.boundary_x = n->boundary_x;
     n->view.start = n->lists.start, n->view.surface_start = n->lists.surface_start;
@@ -209,7 +145,7 @@ void neighbours_set_live(struct neighbours *n, const bool *live, const int *apar
     n->apart = apart;
     for (int i = 0; i < n->view.particles; i++) {
         if (n->centre[i]) n->volume[i] = live[i] ? n->centre_volume : 0.0;
-        if (!(n->volume[i] > 0.0)) clear_list(n, i);
+        if (!(n->volume[i] > 0.0)) neighbour_points_clear(n, i);
     }
     n->built = n->visibility.complete = false;
     n->view.volume_revision++;
@@ -382,7 +318,7 @@ static pdyn_status fill(struct neighbours *n, const double *x) {
 pdyn_status neighbours_build(struct neighbours *n, const double *x) {
     n->built = false;
     pdyn_status status = n->boundary_shift > 0.0 ? sort_moving(n) : PDYN_OK;
-    list_active(n, x);
+    neighbour_points_list(n, x);
     if (status == PDYN_OK) status = grid_sort(n->context, &n->fluid, n->centres, n->id, x);
     if (status == PDYN_OK)
         status = grid_sort(n->context, &n->surface, n->active - n->centres, n->id + n->centres, x);
