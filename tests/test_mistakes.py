@@ -124,6 +124,9 @@ MISTAKES = [
     Mistake("cells larger than the mesh is thick", change(("bodies.0", None), ("bodies.0", {
         "name": "soft", "volume": {"mesh": "huge.obj", "scale": 1e-4, "cell": 0.03, "density": 900},
         "constraints": [{"type": "tet", "stiffness": 2e4}]})), "[coarse]"),
+    Mistake("a rigid body thinner than its cells", change(("bodies.0", None), ("bodies.0", {
+        "name": "hard", "rigid": {"mesh": "huge.obj", "scale": 1e-4, "cell": 0.03, "density": 900}})),
+            "hard: its cells fill", "[coarse]"),
     Mistake("a volume of triangles without \"cell\"", change(("bodies.0", None), ("bodies.0", {
         "volume": {"mesh": "huge.obj", "density": 900}})), '"cell" fills', codes=(2, 2)),
     Mistake("cloth in centimetres", change(("bodies.1.surface.grid.size", [30, 30]), FREE, ("contact", None), ("bodies.0", None)),
@@ -150,7 +153,7 @@ MISTAKES = [
         "name": "plate", "rigid": {"box": {"minimum": [-0.1, 0.2, -0.1], "maximum": [0.1, 0.22, 0.1]}, "density": 1600}})),
             'it is 16 kg/m^2 heavier than the "oil" that it displaces, at most half a layer of particles (16 kg/m^2)', "[too-light]"),
     Mistake("a towel that its pins dip into water", change(
-        ("bodies.1.constraints.1", {"type": "pin", "vertices": ALL, "path": [[0, 0, 0, 0], [0.05, 0, -0.1, 0]]})), "[too-light]"),
+        ("bodies.1.constraints.1", {"type": "pin", "vertices": ALL, "path": [[0, 0, 0, 0], [0.05, 0, -0.2, 0]]})), "[too-light]"),
     Mistake("water that fits a sheet exactly", change(("bodies.1.surface.translate", [0, 0.12, 0]), ("contact.thickness", 0.015)),
             '64 of 96 particles beside "sheet" start closer to it than they rest',
             "leave 0.0075 m between the surface and the volumes of `fill` [too-close]"),

@@ -689,6 +689,17 @@ static void test_weightless(void **state) {
     assert_false(warns(SCENE(WEIGHTLESS, RAFT, ""), "too-light", "sheet"));
 }
 
+/* A dry sheet at y = 0 whose pins move it down by 0.15 m, above water or below it. */
+static void test_drawn(void **state) {
+    (void)state;
+#define DRAWN(bottom, top)                                                                         \
+    PAIR(FLUID_BOX("", "0.02", "0, " bottom ", 0", "0.1, " top ", 0.1", ""),                       \
+         SHEET("{'type': 'pin', 'vertices': {'border': true}, 'path': [[0, 0, 0, 0], [0.5, 0, "    \
+               "-0.15, 0]]}"))
+    assert_true(warns(SCENE(STEPS, DRAWN("-0.2", "-0.1"), ""), "too-light", "sheet"));
+    assert_false(warns(SCENE(STEPS, DRAWN("0.1", "0.2"), ""), "too-light", "sheet"));
+}
+
 #define WATER_AT(x0, x1) FLUID_BOX("'name': 'far', ", "0.01", x0 ", 0, 0", x1 ", 0.1, 0.1", "")
 #define SHEET_FAR(x)                                                                               \
     GRID_SHEET("'name': 'far', ", "0.16, 0.16", "9, 9",                                            \
@@ -792,6 +803,7 @@ int main(void) {
         cmocka_unit_test(test_without_elements),
         cmocka_unit_test(test_no_stiffness),
         cmocka_unit_test(test_weightless),
+        cmocka_unit_test(test_drawn),
         cmocka_unit_test(test_far),
         cmocka_unit_test(test_room),
         cmocka_unit_test(test_room_above),

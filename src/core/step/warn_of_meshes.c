@@ -123,7 +123,7 @@ static void check_filled(struct pdyn_sim *sim, int b) {
              body->crumbs);
     else if (body->filled > 0.0 && body->filled < min_filled)
         WARN(sim, COARSE, body->name,
-             "its tetrahedra fill %.2g %% of its mesh: parts thinner than \"cell\" are missing",
+             "its cells fill %.2g %% of its mesh: parts thinner than \"cell\" are missing",
              100.0 * body->filled);
 }
 

@@ -7,6 +7,8 @@
 
 #include "projdyn/vec3.h"
 
+#include <string.h>
+
 /* Mean edge lengths of meshes in fluid, in particle spacings (docs/results/interface.md). */
 static const double min_edge = 0.25, max_edge = 8.0;
 /* Shares of the mass of a layer of particles: a sheet below the first stays on the water, a body
@@ -29,19 +31,26 @@ const pdyn_body *warn_lightest_fluid(const struct pdyn_sim *sim) {
 /* Whether the surface has no border, as that of a bag or of a volume. */
 static bool is_closed(const pdyn_body *body) { return 2 * body->edges == 3 * body->triangles; }
 
-/* Whether no particle of the fluid is near it at the start. */
-static bool is_dry(const struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
+/* Whether particles of the fluid are in the box of a body that is moved by a displacement, or
+ * within a particle radius of it. */
+static bool is_wet(const struct pdyn_sim *sim, int b, const double moved[3],
+                   const pdyn_body *fluid) {
     struct box box = extent_of_body(sim, &sim->body[b]);
-    bool dry = true;
+    bool wet = false;
+    for (int a = 0; a < 3; a++) box.min[a] += moved[a], box.max[a] += moved[a];
     box_grow(&box, fluid->radius);
-    for (int i = fluid->first; i < fluid->first + fluid->count && dry; i++)
-        dry = !particle_is_live(sim, i) || !box_contains(&box, sim->x + 3 * (size_t)i);
-    return dry;
+    for (int i = fluid->first; i < fluid->first + fluid->count && !wet; i++)
+        wet = particle_is_live(sim, i) && box_contains(&box, sim->x + 3 * (size_t)i);
+    return wet;
 }
 
-/* Whether pins draw a sheet, which is no narrow strip, along a path: into the water, if it is dry.
- */
-static bool is_drawn(const struct pdyn_sim *sim, int b, double spacing) {
+/* Whether no particle of the fluid is near it at the start. */
+static bool is_dry(const struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
+    return !is_wet(sim, b, (const double[3]){0}, fluid);
+}
+
+/* Whether pins draw a dry sheet, which is no narrow strip, along a path into the fluid. */
+static bool is_drawn(const struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     const struct scene_body *body = &sim->scene.body[b];
     struct box box = extent_of_body(sim, &sim->body[b]);
     bool drawn = false;
@@ -49,10 +58,13 @@ static bool is_drawn(const struct pdyn_sim *sim, int b, double spacing) {
         const struct scene_constraint *c = &body->constraint[k];
         for (const pdyn_param *p = c->type->params; p->name; p++) {
             const pdyn_path *path = param_path(p, c->params);
-            drawn |= c->type->flags & PDYN_REACTION && path && path->count > 1;
+            if (!path || !(c->type->flags & PDYN_REACTION) || strcmp(p->name, "path")) continue;
+            for (int j = 0; j < path->count && !drawn; j++)
+                drawn = is_wet(sim, b, path->key + 4 * (size_t)j + 1, fluid);
         }
     }
-    return drawn && mesh_area(&body->mesh) > narrow * spacing * box_extent(&box);
+    return drawn && is_dry(sim, b, fluid) &&
+           mesh_area(&body->mesh) > narrow * 2.0 * fluid->radius * box_extent(&box);
 }
 
 /* Mass that a body exceeds its water by, kg/m^2: of a sheet per area, of a closed body along its
@@ -77,7 +89,7 @@ static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     bool sheet = body->area_density > 0.0;
     if (body_is_particles(&sim->body[b]) || sim->body[b].permeability > 0.0) return;
     if (sheet && is_closed(&sim->body[b])) return;
-    if (warn_is_held(body) && !(is_drawn(sim, b, spacing) && is_dry(sim, b, fluid))) return;
+    if (warn_is_held(body) && !is_drawn(sim, b, fluid)) return;
     if (sheet && body->area_density < light_share * layer)
         WARN(sim, LIGHT, body->name,
              "its %.3g kg/m^2 are %.2g of a layer of particles %.3g m apart: it stays on the "
