@@ -273,9 +273,9 @@ static void test_refused(void **state) {
     pdyn_sim *sim = test_load(context, sheet);
     step_often(context, sim, 3);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
-    refused("bodies.sheet.constraints.spring.stretching_stiffness=1001", "values in its scene");
-    refused("bodies.water.particles.radius=0.019", "values in its scene");
-    refused("solver.step=projective", "values in its scene");
+    refused("bodies.sheet.constraints.spring.stretching_stiffness=1001", "\"bodies\" in its scene");
+    refused("bodies.water.particles.radius=0.019", "\"bodies\" in its scene");
+    refused("solver.step=projective", "\"solver\" in its scene");
     damage(20, 1);
     refused("duration=1", "checksum");
     damage(20, 1), damage(-1, 4);
@@ -287,7 +287,7 @@ static void test_refused(void **state) {
     damage(9, 1);
     assert_int_equal(pdyn_restore(sim, "state"), PDYN_OK);
     for (int size = 0; size < 100; size += 9) {
-        char part[100] = "PDYNSTA3";
+        char part[100] = "PDYNSTA4";
         test_write_file("state", part, (size_t)size);
         refused("duration=1", "state");
     }

@@ -88,7 +88,10 @@ check "not beside a scene" refuses "taken from the resumed run" "$program" run -
 check "not as a scene" refuses "to continue it: projdyn run --resume whole; to look at it: projdyn replay whole" \
     "$program" run whole
 check "nor any folder" refuses "a regular file, found a folder" "$program" run whole/solids
-check "not with another scene" refuses "only the duration, colours, step lengths" "$program" run --resume shorter --set gravity=[0,0,0]
+check "not with another scene" refuses 'with other values of "gravity" in its scene; only the duration, colours, step lengths' \
+    "$program" run --resume shorter --set gravity=[0,0,0]
+check "nor another solver" refuses 'other values of "solver" in its scene' "$program" run --resume shorter --set solver.type=dual
+check "nor other frames" refuses 'other values of "frame_interval" in its scene' "$program" run --resume shorter --set frame_interval=0.05
 check "not with an unknown key" refuses 'did you mean "solver"' "$program" run --resume shorter --set solvr.tolerance=1
 check "with other iterations" "$program" run --resume shorter --quiet --time 0.08 --set solver.outer_iterations=1 \
     --set solver.tolerance=1e-9 --set time_step.maximum=0.001
@@ -104,7 +107,7 @@ check "cut metrics" refuses "short/metrics.csv: the file is shorter" "$program" 
 cp "$scene" scene.json
 "$program" run scene.json --quiet -o other --time 0.04 >/dev/null
 sed 's/0.53/0.55/' scene.json >changed.json && mv changed.json scene.json
-check "another scene" refuses "the state was saved with other values in its scene" "$program" run --resume other
+check "another scene" refuses 'the state was saved with other values of "bodies" in its scene' "$program" run --resume other
 rm other/state.pdyn
 check "nothing saved" refuses "state.pdyn: cannot open" "$program" run --resume other
 exit $failed

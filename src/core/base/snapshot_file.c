@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char magic[] = "PDYNSTA3";
+static const char magic[] = "PDYNSTA4";
 static const uint64_t order_mark = 0x0102030405060708u;
 
 enum { HEAD = 16, TAIL = 8, CHUNK = 1 << 16 };

@@ -9,7 +9,7 @@
 #include "file_out.h"
 #include "projdyn/module.h"
 
-/* The 8 bytes "PDYNSTA3", the number 0x0102030405060708 in the machine's byte order, the
+/* The 8 bytes "PDYNSTA4", the number 0x0102030405060708 in the machine's byte order, the
  * content, and the 64-bit FNV-1a hash of the content. */
 struct snapshot_file {
     pdyn_snapshot view; /* the part that modules (module.h) use */

@@ -90,14 +90,24 @@ static void persist_modules(struct pdyn_sim *sim, struct snapshot_file *file) {
     if (file->status == PDYN_OK) solver_choice_persist(sim, file);
 }
 
+static void persist_values(const struct scene *scene, struct snapshot_file *file) {
+    for (int k = 0; k < FINGERPRINTS; k++) {
+        char what[320];
+        snprintf(what, sizeof what,
+                 "values of \"%s\" in its scene; only the duration, colours, step lengths, and "
+                 "tolerances and iterations of the solver may change: undo the change, or start a "
+                 "new run; a program may restore the state and then set gravity and parameters of "
+                 "constraints (docs/guide/python.md#run)",
+                 fingerprint_key(k));
+        snapshot_file_expect(file, scene->fingerprint[k], what);
+    }
+}
+
 /* Writes what identifies the scene, or reads it and compares. */
 static pdyn_status persist_scene(struct pdyn_sim *sim, struct snapshot_file *file) {
     snapshot_file_expect(file, hash_bytes(HASH_BEGIN, PROJDYN_VERSION, strlen(PROJDYN_VERSION)),
                          "versions of projdyn");
-    snapshot_file_expect(
-        file, sim->scene.fingerprint,
-        "values in its scene; only the duration, colours, step lengths, and tolerances and "
-        "iterations of the solver may change");
+    persist_values(&sim->scene, file);
     snapshot_file_expect(
         file, (uint64_t)sim->objective.particles,
         "numbers of particles (to resume for longer, inlets need a \"budget\" from the "

@@ -43,21 +43,40 @@ static uint64_t hash_tables(const struct scene *scene, uint64_t hash) {
     return hash;
 }
 
-pdyn_status fingerprint_compute(pdyn_context *context, const json_t *root, struct scene *scene) {
-    static const char *const whole[] = {"$schema", "name", "duration", NULL};
+/* All keys of a scene but "$schema", "name" and "duration", which may change in a run, as may what
+ * fixed_values leaves out: colours, step lengths, and tolerances and iterations of the solver. */
+static const char *const keys[FINGERPRINTS] = {
+    "bodies", "solids",  "contact",  "outlets", "probes",         "gravity",
+    "solver", "plugins", "boundary", "kernel",  "frame_interval", "time_step"};
+
+const char *fingerprint_key(int k) { return keys[k]; }
+
+/* A copy of the scene without values that may change in a run. NULL: no memory. */
+static json_t *fixed_values(const json_t *root) {
     static const char *const step[] = {"fixed", "minimum", "maximum", "cfl", NULL};
     static const char *const solver[] = {
         "tolerance", "outer_iterations", "linear_tolerance", "linear_iterations", "retries", NULL};
-    errno = 0;
-    json_t *values = without(root, whole); /* without memory it may lack values */
+    json_t *values = json_copy((json_t *)root); /* without memory it may lack values */
     if (values) ignore_keys(values, "time_step", step), ignore_keys(values, "solver", solver);
     if (values) ignore_colors(values, "bodies"), ignore_colors(values, "solids");
-    bool no_memory = errno == ENOMEM;
-    char *dump = values && !no_memory ? json_compose(values, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
+    return values;
+}
+
+pdyn_status fingerprint_compute(pdyn_context *context, const json_t *root, struct scene *scene) {
+    errno = 0;
+    json_t *values = fixed_values(root);
+    bool good = values && errno != ENOMEM;
+    for (int k = 0; k < FINGERPRINTS && good; k++) {
+        json_t *value = json_object_get(values, keys[k]);
+        char *dump =
+            value ? json_compose(value, JSON_COMPACT | JSON_SORT_KEYS | JSON_ENCODE_ANY) : NULL;
+        scene->fingerprint[k] = hash_bytes(HASH_BEGIN, dump, dump ? strlen(dump) : 0);
+        good = dump || !value;
+        free(dump);
+    }
     json_decref(values);
-    if (!dump) return context_no_memory(context);
-    scene->fingerprint = hash_tables(scene, hash_bytes(HASH_BEGIN, dump, strlen(dump)));
-    free(dump);
+    if (!good) return context_no_memory(context);
+    scene->fingerprint[0] = hash_tables(scene, scene->fingerprint[0]);
     return PDYN_OK;
 }
 

@@ -6,7 +6,10 @@
 
 #include <jansson.h>
 
-/* Sets scene->fingerprint from the values of the file; `scene` has been read. */
+/* The key of the scene that a fingerprint is of, 0 <= k < FINGERPRINTS. */
+const char *fingerprint_key(int k);
+
+/* Sets the fingerprints of `scene`, which has been read, from the values of the file. */
 pdyn_status fingerprint_compute(pdyn_context *context, const json_t *root, struct scene *scene);
 
 /* Hash of the triangles and tetrahedra of bodies, whose vertices are the positions at rest of a

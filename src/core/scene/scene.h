@@ -13,7 +13,8 @@
 
 struct json_file;
 
-enum { RIGID_POINTS = 4 }; /* particles that carry a rigid body */
+enum { RIGID_POINTS = 4 };  /* particles that carry a rigid body */
+enum { FINGERPRINTS = 12 }; /* keys of a scene that a saved state belongs to (fingerprint.h) */
 enum {
     MAX_PARTICLES = 1 << 27,      /* of a scene */
     MAX_FLUID_PARTICLES = 1 << 25 /* of a fluid: lists have 2^31 entries, 64 for each particle */
@@ -197,12 +198,11 @@ struct scene_settings { /* "time_step", "solver" and general values of a scene *
 };
 
 struct scene {
-    char *file;             /* as given by the user, for messages and the report */
-    char *name;             /* "name" of the scene; may be empty */
-    uint64_t fingerprint;   /* hash of the file's values, without "$schema", "name", "duration",
-                               colours, step lengths, and tolerances and iterations of the solver;
-                               and of tables */
-    struct sources sources; /* its file and those that it names */
+    char *file;                         /* as given by the user, for messages and the report */
+    char *name;                         /* "name" of the scene; may be empty */
+    uint64_t fingerprint[FINGERPRINTS]; /* for each key (fingerprint.h): hash of its value, without
+                                           what may change in a run; of bodies: and of tables */
+    struct sources sources;             /* its file and those that it names */
     struct scene_settings settings;
     bool has_contact;
     struct scene_contact contact;
