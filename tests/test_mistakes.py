@@ -210,7 +210,8 @@ MISTAKES = [
     Mistake("cloth far too stiff for two iterations", change(("bodies.0", None), ("bodies.0.constraints.0.stretching_stiffness", 1e9),
                                                              ("solver", {"outer_iterations": 2}), ("duration", 0.3)), "", "[slowed]"),
     Mistake("nothing holds the cloth", change(("solids", []), ("bodies.0", None), ("bodies.0.constraints.1", None),
-                                              ("contact", None), ("duration", 0.6)), "", "[fell-out]"),
+                                              ("contact", None), ("duration", 0.6)), "",
+            "a floor below all of their way, or a shorter duration, ends this warning [fell-out]"),
     Mistake("dust falls through cloth", change(DUST, ("contact", None), ("bodies.0.particles.fill.0.box", {
         "minimum": [-0.1, 0.31, -0.1], "maximum": [0.1, 0.38, 0.1]}), ("duration", 0.2)), "[unconstrained]", 'particles of "water" passed through this body'),
     Mistake("dust falls through the floor", change(DUST, *WATER_ONLY, ("duration", 0.3)), "[unconstrained]",

@@ -187,15 +187,17 @@ static void warn_fallen(struct pdyn_sim *sim) {
     bool removed = has_outlet_around(&sim->scene);
     for (int b = 0; b < sim->bodies; b++) {
         if ((removed && !sim->scene.body[b].has_mesh) || sim_pins_body(sim, b)) continue;
+        bool particles = body_is_particles(&sim->body[b]);
         int count = count_below(sim, b, sim->floor);
         if (!count) continue;
         struct warning *w = sim_warning(sim, WARNING_FELL_OUT, sim->body[b].name, 0, count);
         w->count = count;
         warnings_say(sim->context, w,
-                     "%d of %d %s are far below everything else and fall for ever: nothing "
-                     "holds them and no outlet removes them",
-                     count, sim->body[b].count,
-                     body_is_particles(&sim->body[b]) ? "particles" : "vertices");
+                     "%d of %d %s are far below everything else and fall for ever: %s", count,
+                     sim->body[b].count, particles ? "particles" : "vertices",
+                     particles ? "nothing holds them and no outlet removes them"
+                               : "nothing holds them; if they are meant to fall, a floor below all "
+                                 "of their way, or a shorter duration, ends this warning");
     }
 }
 
