@@ -147,9 +147,12 @@ MISTAKES = [
     Mistake("free cloth that is too light for the water", change(FREE, ("bodies.1.surface.area_density", 0.05)), "[too-light]"),
     Mistake("a rigid plate that hardly exceeds its water", change(("bodies.1", None), ("bodies.1", {
         "name": "plate", "rigid": {"box": {"minimum": [-0.1, 0.2, -0.1], "maximum": [0.1, 0.21, 0.1]}, "density": 1500}})),
-            'it is 5 kg/m^2 heavier than the "water" that it displaces, at most half a layer of particles (20 kg/m^2)', "[too-light]"),
+            'it is 0.6 kg/m^2 heavier than the "water" that it displaces, at most half a layer of particles (20 kg/m^2)', "[too-light]"),
+    Mistake("a rigid plate that floats by its contact thickness", change(("contact.thickness", 0.02), ("bodies.1", None), ("bodies.1", {
+        "name": "plate", "rigid": {"box": {"minimum": [-0.1, 0.2, -0.1], "maximum": [0.1, 0.21, 0.1]}, "density": 1500}})),
+            'with the contact thickness of 0.02 m it displaces 17 kg/m^2 more of the "water" than it weighs: it floats; a smaller `thickness` [too-light]'),
     Mistake("a rigid plate that exceeds its oil by half a layer", change(
-        ("bodies.0", {**WATER, "name": "oil", "particles": {**WATER["particles"], "rest_density": 800}}), ("bodies.1", {
+        ("contact", None), ("bodies.0", {**WATER, "name": "oil", "particles": {**WATER["particles"], "rest_density": 800}}), ("bodies.1", {
         "name": "plate", "rigid": {"box": {"minimum": [-0.1, 0.2, -0.1], "maximum": [0.1, 0.22, 0.1]}, "density": 1600}})),
             'it is 16 kg/m^2 heavier than the "oil" that it displaces, at most half a layer of particles (16 kg/m^2)', "[too-light]"),
     Mistake("a towel that its pins dip into water", change(

@@ -727,9 +727,10 @@ static void test_far(void **state) {
     "{'name': 'cube', 'volume': {'grid': {'size': [0.12, 0.12, 0.12], 'cells': [4, 4, 4]}, "       \
     "'translate': [0, 0.12, 0], 'density': 500}, 'constraints': [{'type': 'tet', 'stiffness': "    \
     "1e4}]}"
-#define RIGID_CUBE                                                                                 \
+#define CUBE_OF(density)                                                                           \
     "{'name': 'cube', 'rigid': {'box': {'minimum': [-0.06, 0.06, -0.06], 'maximum': [0.06, 0.18, " \
-    "0.06]}, 'density': 500}}"
+    "0.06]}, 'density': " density "}}"
+#define RIGID_CUBE CUBE_OF("500")
 
 static bool lacks_room(const char *scene) { return warns(scene, "too-close", "water"); }
 
@@ -761,6 +762,20 @@ static void test_room_by_kind(void **state) {
     assert_true(lacks_room(SCENE(STEPS, LAYERS("", RIGID_CUBE), CONTACT("0.006"))));
     assert_false(lacks_room(SCENE(STEPS, LAYERS("", SOFT_CUBE), CONTACT("0.006"))));
     assert_false(lacks_room(SCENE(STEPS, LAYERS("", WET_SHEET), CONTACT("0.006"))));
+}
+
+static bool is_too_light(const char *scene) { return warns(scene, "too-light", "cube"); }
+
+/* A rigid cube exceeds its water by 18 or 30 kg/m^2, of 20 of a layer; a thickness of 4 mm takes off
+ * 12 kg/m^2. One that is lighter than water floats as it shall. */
+static void test_heavy(void **state) {
+    (void)state;
+    assert_true(is_too_light(SCENE(STEPS, LAYERS("", CUBE_OF("1150")), "")));
+    assert_false(is_too_light(SCENE(STEPS, LAYERS("", CUBE_OF("1250")), "")));
+    assert_false(is_too_light(SCENE(STEPS, LAYERS("", CUBE_OF("1250")), CONTACT("0.0001"))));
+    assert_true(is_too_light(SCENE(STEPS, LAYERS("", CUBE_OF("1250")), CONTACT("0.004"))));
+    assert_true(is_too_light(SCENE(STEPS, LAYERS("", CUBE_OF("1080")), CONTACT("0.004"))));
+    assert_false(is_too_light(SCENE(STEPS, LAYERS("", CUBE_OF("950")), CONTACT("0.004"))));
 }
 
 /* The distances of particles from a ball are any: those that are too close have room elsewhere. */
@@ -806,6 +821,7 @@ int main(void) {
         cmocka_unit_test(test_drawn),
         cmocka_unit_test(test_far),
         cmocka_unit_test(test_room),
+        cmocka_unit_test(test_heavy),
         cmocka_unit_test(test_room_above),
         cmocka_unit_test(test_room_by_kind),
         cmocka_unit_test(test_room_around_ball),

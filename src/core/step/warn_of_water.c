@@ -3,6 +3,7 @@
 #include "extent.h"
 #include "live_particles.h"
 #include "sim.h"
+#include "sph/boundary.h"
 #include "warn.h"
 
 #include "projdyn/vec3.h"
@@ -11,9 +12,11 @@
 
 /* Mean edge lengths of meshes in fluid, in particle spacings (docs/results/interface.md). */
 static const double min_edge = 0.25, max_edge = 8.0;
-/* Shares of the mass of a layer of particles: a sheet below the first stays on the water, a body
- * that exceeds its water by the second or less is not let down by it. */
-static const double light_share = 0.02, sinking_share = 0.5;
+/* Shares of the mass of a layer of particles: a sheet below the first stays on the water; a flat
+ * body, whose shortest side is at most half of the longest, that exceeds its water by the second or
+ * less is not let down by it, and another body by the third or less. */
+static const double light_share = 0.02, flat_share = 0.5, thick_share = 1.0;
+static const double flatness = 0.5;
 static const double rounding = 1e-9; /* relative error of lengths that a scene gives in decimals */
 /* Width of a strip that flows around, in particle spacings. */
 static const double narrow = 2.0;
@@ -67,16 +70,50 @@ static bool is_drawn(const struct pdyn_sim *sim, int b, const pdyn_body *fluid) 
            mesh_area(&body->mesh) > narrow * 2.0 * fluid->radius * box_extent(&box);
 }
 
-/* Mass that a body exceeds its water by, kg/m^2: of a sheet per area, of a closed body along its
- * shortest side. */
-static double excess_of(const struct pdyn_sim *sim, int b, double rest_density) {
-    const struct scene_body *body = &sim->scene.body[b];
-    double thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0;
-    if (!(body->density > 0.0)) return body->area_density - rest_density * thickness;
-    struct box box = extent_of_body(sim, &sim->body[b]);
+/* Thickness of sheets and rigid bodies in the fluid, m. */
+static double thickness_in(const struct pdyn_sim *sim, const pdyn_body *fluid) {
+    double spacing = 2.0 * fluid->radius;
+    return sim->scene.has_contact
+               ? 2.0 * spacing * boundary_farther(sim->scene.contact.thickness, spacing)
+               : 0.0;
+}
+
+static double shortest_side(const struct box *box) {
     double shortest = INFINITY;
-    for (int a = 0; a < 3; a++) shortest = fmin(shortest, box.max[a] - box.min[a]);
-    return (body->density - rest_density) * shortest;
+    for (int a = 0; a < 3; a++) shortest = fmin(shortest, box->max[a] - box->min[a]);
+    return shortest;
+}
+
+/* Mass that a body exceeds its water by, kg/m^2: of a sheet per area, of a closed body along its
+ * shortest side, m. Half of the thickness lies around a rigid body. */
+static double excess_of(const struct pdyn_sim *sim, int b, const pdyn_body *fluid,
+                        double shortest) {
+    const struct scene_body *body = &sim->scene.body[b];
+    double thickness = thickness_in(sim, fluid), displaced = fluid->rest_density;
+    if (!(body->density > 0.0)) return body->area_density - displaced * thickness;
+    if (body->is_rigid)
+        displaced *= 1.0 + 0.5 * thickness * mesh_area(&body->mesh) * body->density / body->mass;
+    return (body->density - displaced) * shortest;
+}
+
+/* A sheet, or a body that is denser than the fluid. */
+static void check_sinking(struct pdyn_sim *sim, int b, const pdyn_body *fluid, bool sheet) {
+    const char *name = sim->scene.body[b].name, *wet = sheet ? ", or `permeability`" : "";
+    struct box box = extent_of_body(sim, &sim->body[b]);
+    double shortest = shortest_side(&box), excess = excess_of(sim, b, fluid, shortest);
+    bool flat = sheet || shortest <= (1.0 + rounding) * flatness * box_extent(&box);
+    double most = (flat ? flat_share : thick_share) * 2.0 * fluid->radius * fluid->rest_density;
+    if (excess < 0.0)
+        WARN(
+            sim, LIGHT, name,
+            "with the contact thickness of %.3g m it displaces %.3g kg/m^2 more of the \"%s\" than "
+            "it weighs: it floats; a smaller `thickness`%s",
+            thickness_in(sim, fluid), -excess, fluid->name, wet);
+    else if (excess > 0.0 && excess <= (1.0 + rounding) * most && (!sheet || is_dry(sim, b, fluid)))
+        WARN(sim, LIGHT, name,
+             "it is %.3g kg/m^2 heavier than the \"%s\" that it displaces, at most %s of particles "
+             "(%.3g kg/m^2): it floats or sinks too slowly; smaller particles%s",
+             excess, fluid->name, flat ? "half a layer" : "one layer", most, wet);
 }
 
 /* Sheets that do not get wet, and bodies that are heavier than water, but do not sink in one of
@@ -84,8 +121,6 @@ static double excess_of(const struct pdyn_sim *sim, int b, double rest_density) 
 static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     const struct scene_body *body = &sim->scene.body[b];
     double spacing = 2.0 * fluid->radius, layer = fluid->rest_density * spacing;
-    double half = (1.0 + rounding) * sinking_share * layer;
-    double excess = excess_of(sim, b, fluid->rest_density);
     bool sheet = body->area_density > 0.0;
     if (body_is_particles(&sim->body[b]) || sim->body[b].permeability > 0.0) return;
     if (sheet && is_closed(&sim->body[b])) return;
@@ -95,16 +130,7 @@ static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
              "its %.3g kg/m^2 are %.2g of a layer of particles %.3g m apart: it stays on the "
              "\"%s\", and its steps need many iterations; with `permeability` it sinks",
              body->area_density, body->area_density / layer, spacing, fluid->name);
-    else if (sheet && excess < 0.0)
-        WARN(sim, LIGHT, body->name,
-             "its %.3g kg/m^2 are less than the \"%s\" in its contact thickness of %.3g m: it "
-             "floats; with `permeability` it sinks",
-             body->area_density, fluid->name, sim->scene.contact.thickness);
-    else if (excess > 0.0 && excess <= half && (!sheet || is_dry(sim, b, fluid)))
-        WARN(sim, LIGHT, body->name,
-             "it is %.3g kg/m^2 heavier than the \"%s\" that it displaces, at most half a layer of "
-             "particles (%.3g kg/m^2): it floats or sinks too slowly; smaller particles%s",
-             excess, fluid->name, half, sheet ? ", or `permeability`" : "");
+    else if (sheet || body->density > fluid->rest_density) check_sinking(sim, b, fluid, sheet);
 }
 
 static void check_edges(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
