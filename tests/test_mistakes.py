@@ -110,6 +110,10 @@ MISTAKES = [
     Mistake("a fluid too soft for its drops", change(("bodies.0.constraints.0", {"type": "fluid", "sound_speed": 0.2}),
                                                      ("bodies.0.constraints.1", {"type": "surface_tension", "tension": 0.072}), ("duration", 0.02), *WATER_ONLY),
             "water: a sound speed of 0.2 m/s is low for a surface tension of 0.072 N/m, expected 0.42 m/s or more", codes=(0, 0)),
+    Mistake("steps too long for a surface tension", change(
+        ("bodies.0.particles.radius", 0.01), ("bodies.0.constraints.1", {"type": "surface_tension", "tension": 1}),
+        ("time_step.maximum", 0.2), ("frame_interval", 0.2), ("duration", 0.02), *WATER_ONLY),
+            "water: steps of up to 0.2 s are long for a surface tension of 1 N/m and particles 0.02 m apart, expected 0.089 s or less", "[unusual]"),
     Mistake("viscosity of pitch", change(("bodies.0.constraints.1", {"type": "viscosity", "viscosity": 1e8}), *WATER_ONLY), 'water: "viscosity" of 1e+08 Pa s is unusual'),
     Mistake("air pressure in bar", change(("solids", []), ("bodies.0", None), ("bodies.0", {
         "name": "bag", "surface": {"mesh": "huge.obj", "scale": 1e-4, "area_density": 0.2}, "constraints": [

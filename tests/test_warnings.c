@@ -766,8 +766,8 @@ static void test_room_by_kind(void **state) {
 
 static bool is_too_light(const char *scene) { return warns(scene, "too-light", "cube"); }
 
-/* A rigid cube exceeds its water by 18 or 30 kg/m^2, of 20 of a layer; a thickness of 4 mm takes off
- * 12 kg/m^2. One that is lighter than water floats as it shall. */
+/* A rigid cube exceeds its water by 18 or 30 kg/m^2, of 20 of a layer; a thickness of 4 mm takes
+ * off 12 kg/m^2. One that is lighter than water floats as it shall. */
 static void test_heavy(void **state) {
     (void)state;
     assert_true(is_too_light(SCENE(STEPS, LAYERS("", CUBE_OF("1150")), "")));

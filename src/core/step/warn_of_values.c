@@ -73,6 +73,24 @@ static void check_softness(struct pdyn_sim *sim, int b, double tension) {
     }
 }
 
+/* Longest step over sqrt(rest density x spacing^3 / tension) that drops need, and the most without
+ * a warning (docs/theory/surface-tension.md). */
+static const double needed_step = 1.0, most_step = 2.0;
+
+/* Steps that are too long for the motion of the surface, by a spacing. */
+static void check_step(struct pdyn_sim *sim, int b, double tension) {
+    const struct scene_body *body = &sim->scene.body[b];
+    const struct scene_settings *settings = &sim->scene.settings;
+    double step = fmin(settings->h_fixed > 0.0 ? settings->h_fixed : settings->h_max,
+                       settings->frame_interval);
+    double time = sqrt(body->rest_density * pow(2.0 * body->radius, 3.0) / tension);
+    if (step > most_step * time)
+        WARN(sim, UNUSUAL, body->name,
+             "steps of up to %.2g s are long for a surface tension of %g N/m and particles %.2g m "
+             "apart, expected %.2g s or less: they take many iterations, or stay unsolved",
+             step, tension, 2.0 * body->radius, needed_step * time);
+}
+
 /* ---- gravity and weight ---------------------------------------------------------------------- */
 
 /* Tanks that are open at the top, towards which gravity points: its sign is wrong. One that is open
@@ -138,8 +156,10 @@ static void check_body(struct pdyn_sim *sim, int b) {
         const struct scene_constraint *c = &body->constraint[k];
         check_parameters(sim, body, c);
         check_path(sim, b, c);
-        if (!strcmp(c->type->name, "surface_tension"))
+        if (!strcmp(c->type->name, "surface_tension")) {
             check_softness(sim, b, parameter(c, "tension"));
+            check_step(sim, b, parameter(c, "tension"));
+        }
         if (!strcmp(c->type->name, "tet") && !warn_lightest_fluid(sim)) check_collapse(sim, b, c);
     }
 }
