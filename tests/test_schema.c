@@ -2,6 +2,7 @@
  * tables. */
 #include "base/registry.h"
 #include "base/text.h"
+#include "scene/fingerprint.h"
 #include "scene/inlet.h"
 #include "scene/keyed.h"
 #include "scene_support.h"
@@ -230,11 +231,23 @@ static void test_schema(void **state) {
     assert_int_equal(json_array_size(types), count + test_lacks_solver("cholesky"));
 }
 
+/* A saved state belongs to all keys of a scene but three, which may change in a run. */
+static void test_fingerprints(void **state) {
+    (void)state;
+    json_t *keys = json_object_get(schema, "properties");
+    assert_int_equal(json_object_size(keys), FINGERPRINTS + 3);
+    for (int k = 0; k < FINGERPRINTS; k++)
+        assert_non_null(json_object_get(keys, fingerprint_key(k)));
+    static const char *const free_keys[] = {"$schema", "name", "duration"};
+    for (int k = 0; k < 3; k++) assert_non_null(json_object_get(keys, free_keys[k]));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_near_miss),
         cmocka_unit_test(test_describe),
         cmocka_unit_test(test_schema),
+        cmocka_unit_test(test_fingerprints),
     };
     return cmocka_run_group_tests_name("schema", tests, set_up, tear_down);
 }
