@@ -234,12 +234,15 @@ static void test_schema(void **state) {
 /* A saved state belongs to all keys of a scene but three, which may change in a run. */
 static void test_fingerprints(void **state) {
     (void)state;
-    json_t *keys = json_object_get(schema, "properties");
-    assert_int_equal(json_object_size(keys), FINGERPRINTS + 3);
-    for (int k = 0; k < FINGERPRINTS; k++)
-        assert_non_null(json_object_get(keys, fingerprint_key(k)));
-    static const char *const free_keys[] = {"$schema", "name", "duration"};
-    for (int k = 0; k < 3; k++) assert_non_null(json_object_get(keys, free_keys[k]));
+    static const char *const may_change[] = {"$schema", "name", "duration"};
+    const char *key;
+    json_t *value;
+    json_object_foreach(json_object_get(schema, "properties"), key, value) {
+        int found = 0;
+        for (int k = 0; k < FINGERPRINTS; k++) found += !strcmp(key, fingerprint_key(k));
+        for (int k = 0; k < 3; k++) found += !strcmp(key, may_change[k]);
+        assert_int_equal(found, 1);
+    }
 }
 
 int main(void) {
