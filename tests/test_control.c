@@ -263,6 +263,24 @@ static void test_failing_allocations_of_changes(void **state) {
     pdyn_destroy(counting);
 }
 
+/* Water falls as in vacuum by steps in which it moves by several radii: "cfl" does not limit steps
+ * that a program gives. */
+static void test_long_steps(void **state) {
+    (void)state;
+    pdyn_sim *sim = test_load(context, "{'duration': 1, 'bodies': [{'name': 'w', 'particles': "
+                                       "{'radius': 0.01, 'fill': [{'box': {'minimum': [0, 2, 0], "
+                                       "'maximum': [0.08, 2.08, 0.08]}}]}, 'constraints': "
+                                       "[{'type': 'fluid', 'compression': 0.001}]}]}");
+    const double height = sim->x[1];
+    pdyn_step_info info;
+    for (int k = 0; k < 30; k++) {
+        good(pdyn_step_by(sim, 1.0 / 60.0, &info));
+        assert_true(!info.retries && info.h == 1.0 / 60.0);
+    }
+    assert_true(fabs(height - sim->x[1] - 0.5 * 9.81 * 0.25) < 0.01);
+    pdyn_free(sim);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_forces),
@@ -273,6 +291,7 @@ int main(void) {
         cmocka_unit_test(test_place_fluid),
         cmocka_unit_test(test_move_solid),
         cmocka_unit_test(test_step_by),
+        cmocka_unit_test(test_long_steps),
         cmocka_unit_test(test_restore_without_changes),
         cmocka_unit_test(test_failing_allocations_of_changes),
     };

@@ -84,8 +84,9 @@ PDYN_API pdyn_status pdyn_set_inlet_speed(pdyn_sim *sim, int body, int inlet, do
 /* ---- steps ----------------------------------------------------------------------------------- */
 
 /* A step of length h, s, chosen by the caller: it need not end at frames, and info->frame tells
- * that it reached one or passed it. Shorter after attempts that diverged (info->h). Otherwise as
- * pdyn_step. PDYN_BAD_INPUT: h is not from 1e-9 to 1000 s. */
+ * that it reached one or passed it. "cfl" and the pressure do not limit it. Shorter (info->h) after
+ * attempts that diverged, or that were not solved and moved fluid by more than twice the distance
+ * of "cfl". Otherwise as pdyn_step. PDYN_BAD_INPUT: h is not from 1e-9 to 1000 s. */
 PDYN_API pdyn_status pdyn_step_by_sized(pdyn_sim *sim, double h, pdyn_step_info *info, size_t size);
 static inline pdyn_status pdyn_step_by(pdyn_sim *sim, double h, pdyn_step_info *info) {
     return pdyn_step_by_sized(sim, h, info, sizeof *info);

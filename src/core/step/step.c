@@ -156,10 +156,12 @@ static pdyn_status fail_step(struct pdyn_sim *sim, double h, pdyn_status status)
 }
 
 /* Whether a particle moved more than twice the distance that the CFL condition allows. Such a step
- * was not solved: water squeezed into a corner would leave through the wall. */
-static bool moved_too_far(const struct pdyn_sim *sim, double h) {
+ * was not solved: water squeezed into a corner would leave through the wall. The condition does not
+ * limit steps that a program gives: where these are solved, particles may go far. */
+static bool moved_too_far(const struct pdyn_sim *sim, const struct step_end *end, double residual) {
     const struct scene_settings *settings = &sim->scene.settings;
-    if (settings->h_fixed > 0.0 || h <= settings->h_min) return false;
+    if (settings->h_fixed > 0.0 || end->h <= settings->h_min) return false;
+    if (end->given && residual <= settings->tolerance) return false;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
         if (!body_is_particles(body)) continue;
@@ -194,7 +196,8 @@ static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *e
     pdyn_status status = find_first_normal_forces(sim, end);
     if (status == PDYN_OK) status = attempt(sim, end, progress);
     while (*retries < sim->scene.settings.retries &&
-           (status == PDYN_DIVERGED || (status == PDYN_OK && moved_too_far(sim, end->h)))) {
+           (status == PDYN_DIVERGED ||
+            (status == PDYN_OK && moved_too_far(sim, end, progress->residual)))) {
         if ((status = take_back(sim)) != PDYN_OK) break;
         integrator_forget(sim);
         *end =
@@ -217,7 +220,7 @@ static void finish_step(struct pdyn_sim *sim, const struct step_end *end,
     crossings_step(sim, end->h);
     accept(sim, end->h, progress->rise);
     if (sim->objective.neighbours) neighbours_end_step(sim->objective.neighbours);
-    timestep_check(sim, end->h, progress->residual);
+    timestep_check(sim, end, progress->residual);
     solver_choice_step(sim, progress->linear, sim->solved);
     timestep_advance(sim, end);
     live_particles_step(sim);

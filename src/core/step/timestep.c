@@ -147,17 +147,18 @@ static void check_speed(struct pdyn_sim *sim, double h) {
                  w->worst, h);
 }
 
-void timestep_check(struct pdyn_sim *sim, double h, double residual) {
+void timestep_check(struct pdyn_sim *sim, const struct step_end *end, double residual) {
     const struct scene_settings *settings = &sim->scene.settings;
+    double h = end->h;
+    bool free = settings->h_fixed > 0.0 || end->given, solved = residual <= settings->tolerance;
     if (settings->h_fixed == 0.0 && h <= settings->h_min) check_speed(sim, h);
-    bool solved = residual <= settings->tolerance;
-    double limit = settings->h_fixed > 0.0 && !solved ? rearrangement_limit(sim) : INFINITY;
+    double limit = free && !solved ? rearrangement_limit(sim) : INFINITY;
     if (h <= limit) return;
     struct warning *w = sim_warning(sim, WARNING_LONG_STEP, "", 1, h / limit);
     warnings_say(sim->context, w,
-                 "the fixed step of %g s is up to %.2g times as long as the pressure allows, and "
+                 "the %s step of %g s is up to %.2g times as long as the pressure allows, and "
                  "it is unsolved: water this deep may be thrown about",
-                 h, w->worst);
+                 end->given ? "given" : "fixed", h, w->worst);
 }
 
 void timestep_advance(struct pdyn_sim *sim, const struct step_end *end) {
