@@ -121,6 +121,10 @@ MISTAKES = [
     Mistake("a block softer than its weight", change(("bodies.0", None), ("bodies.0", {
         "name": "soft", "volume": {"grid": {"size": [0.2, 0.2, 0.2], "cells": [2, 2, 2]}, "translate": [0, 0.11, 0], "density": 900},
         "constraints": [{"type": "tet", "stiffness": 200}]})), "soft: a stiffness of 200 Pa is less than the pressure of its own weight"),
+    Mistake("a soft body with a skin alone", change(("bodies.0", None), ("bodies.0", {
+        "name": "soft", "volume": {"grid": {"size": [0.3, 0.3, 0.3], "cells": [4, 4, 4]}, "translate": [0, 0.2, 0], "density": 500},
+        "constraints": [{"type": "triangle", "stretching_stiffness": 5000}, {"type": "bending", "bending_rigidity": 0.1}]})),
+            'soft: no constraint acts on 27 of its 125 vertices; the inside of a soft body needs {"type": "tet"} [unconstrained]'),
     Mistake("cloth in millimetres", change(("bodies.1.surface.grid.size", [1000, 1000]), ("solids", []), ("bodies.0", None)),
             "[scale]"),
     Mistake("a needle in a mesh of cloth", change(("bodies.0", None), ("bodies.0.surface", {"mesh": "needles.obj", "area_density": 0.2}),

@@ -64,13 +64,37 @@ static bool only_bends(const struct scene_body *body) {
     return bends;
 }
 
+/* The vertices of a body that no constraint acts on; 0 where a constraint takes others from step to
+ * step. */
+static int count_loose(const struct pdyn_sim *sim, const pdyn_body *body) {
+    int loose = 0;
+    for (int k = 0; k < sim->constraints; k++) {
+        const struct batch *batch = sim->objective.batch[k];
+        if (batch->view.body == body && !batch_is_static(batch)) return 0;
+    }
+    for (int i = body->first; i < body->first + body->count; i++)
+        loose += !sim->model.model.in_rows[i];
+    return loose;
+}
+
+static void check_loose(struct pdyn_sim *sim, const pdyn_body *body) {
+    int loose = body_is_particles(body) ? 0 : count_loose(sim, body);
+    if (loose)
+        WARN(sim, UNCONSTRAINED, body->name, "no constraint acts on %d of its %d vertices%s", loose,
+             body->count,
+             body->tets ? "; the inside of a soft body needs {\"type\": \"tet\"}" : "");
+}
+
 static void check_constraints(struct pdyn_sim *sim, int b) {
     if (sim->scene.body[b].is_rigid) return;
     if (only_bends(&sim->scene.body[b]))
         WARN(sim, UNCONSTRAINED, sim->body[b].name,
              "only \"bending\" holds its vertices together, and it stretches without limit; cloth "
              "needs {\"type\": \"triangle\"} or {\"type\": \"spring\"}");
-    if (is_constrained(&sim->scene.body[b])) return;
+    if (is_constrained(&sim->scene.body[b])) {
+        check_loose(sim, &sim->body[b]);
+        return;
+    }
     if (!body_is_particles(&sim->body[b]))
         WARN(sim, UNCONSTRAINED, sim->body[b].name, "no constraint holds its vertices together");
     else
