@@ -136,7 +136,8 @@ typedef struct pdyn_body {
     const double *triangle_area; /* triangles, m^2 */
     const double *vertex_area;   /* count: a third of the areas of the adjacent triangles, m^2 */
     int edges;
-    const int *edge;          /* edges x 2: vertices, ascending */
+    const int *edge;          /* edges x 2: vertices, ascending; the sides of the triangles, on a
+                                 volume those of its boundary */
     const double *edge_share; /* edges: the sum over the one or two adjacent triangles of their
                                  area over their sum of squared side lengths */
     /* Volumes; 0 and NULL for other bodies. The triangles of a volume are its boundary. */
