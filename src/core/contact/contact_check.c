@@ -4,6 +4,8 @@
 
 #include "projdyn/vec3.h"
 
+#include <string.h>
+
 /* The side of the plane through a, b, c on which d is: -1 or 1, or 0 within rounding errors. */
 static int side(const double *a, const double *b, const double *c, const double *d) {
     double ab[3], ac[3], ad[3], normal[3];
@@ -56,10 +58,23 @@ static int triangle_number(const struct contact *c, const int *corner, int corne
     return -1;
 }
 
+/* The point where the line p q meets the plane of the face a b c. */
+static void find_crossing(const double *p, const double *q, const double *a, const double *b,
+                          const double *c, double x[3]) {
+    double ab[3], ac[3], ap[3], pq[3], normal[3];
+    for (int k = 0; k < 3; k++)
+        ab[k] = b[k] - a[k], ac[k] = c[k] - a[k], ap[k] = p[k] - a[k], pq[k] = q[k] - p[k];
+    vec3_cross(normal, ab, ac);
+    memcpy(x, p, 3 * sizeof *x);
+    vec3_add(x, -vec3_dot(normal, ap) / vec3_dot(normal, pq), pq);
+}
+
 static pdyn_status fail_intersecting(const struct contact *c, int e, int f) {
     const int *edge = c->edge + 2 * e, *face = c->face + 3 * f;
-    double x[3] = {0};
-    for (int k = 0; k < 2; k++) vec3_add(x, 0.5, c->at + 3 * (size_t)edge[k]);
+    const double *at = c->at;
+    double x[3];
+    find_crossing(at + 3 * edge[0], at + 3 * edge[1], at + 3 * face[0], at + 3 * face[1],
+                  at + 3 * face[2], x);
     return context_fail(
         c->context, PDYN_BAD_INPUT,
         "contact: at the start triangle %d of \"%s\" and triangle %d of \"%s\" intersect, near "
