@@ -173,8 +173,8 @@ typedef struct pdyn_step_info {
 
 /* Computes one step. info NULL: no results. After a failure (PDYN_DIVERGED, PDYN_SOLVER_FAILED,
  * PDYN_NO_MEMORY) the simulation has the state of its last successful step, which can be read and
- * saved; every later step fails with PDYN_BAD_CALL, after pdyn_restore, too. To continue, load the
- * scene again and restore the saved state. */
+ * saved. Every later step fails with PDYN_BAD_CALL, until pdyn_restore has succeeded: then the
+ * simulation continues with the same bits as a new one that restores this state. */
 PDYN_API pdyn_status pdyn_step_sized(pdyn_sim *sim, pdyn_step_info *info, size_t size);
 static inline pdyn_status pdyn_step(pdyn_sim *sim, pdyn_step_info *info) {
     return pdyn_step_sized(sim, info, sizeof *info);
@@ -366,7 +366,8 @@ PDYN_API pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double forc
  * at all. PDYN_BAD_INPUT: not a saved state, or of another scene or
  * version, or a field is not valid. PDYN_IO_FAILED, PDYN_NO_MEMORY. After a failure the simulation
  * continues from its state before, but loads on solids may be zero until the next step; without
- * memory to bring that state back, later steps fail with PDYN_BAD_CALL. */
+ * memory to bring that state back, later steps fail with PDYN_BAD_CALL. A successful pdyn_restore
+ * revives a simulation that has failed. */
 PDYN_API pdyn_status pdyn_save(pdyn_sim *sim, const char *path);
 PDYN_API pdyn_status pdyn_restore(pdyn_sim *sim, const char *path);
 /* The same with a buffer of the caller, which gets the bytes of the file of pdyn_save. *size:

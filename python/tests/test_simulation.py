@@ -102,6 +102,21 @@ class Steps(unittest.TestCase):
         with self.assertRaisesRegex(projdyn.Error, "failed"):
             sim.step()
 
+    def test_a_restored_state_revives_a_failed_simulation(self):
+        scene = hanging_sheet()
+        sim, new = scene.load(), scene.load()
+        sim.step()
+        start = sim.state()
+        sim.bodies["sheet"].set_forces([0, 1e15, 0])
+        with self.assertRaises(projdyn.StepError):
+            sim.step()
+        sim.restore(start)
+        new.restore(start)
+        for _ in range(3):
+            sim.step()
+            new.step()
+        self.assertEqual(sim.state(), new.state())
+
 
 class Views(unittest.TestCase):
     def test_unknown_names(self):

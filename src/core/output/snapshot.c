@@ -166,6 +166,7 @@ static pdyn_status read_state(struct pdyn_sim *sim, struct snapshot_file *file) 
 pdyn_status snapshot_read(struct pdyn_sim *sim, struct snapshot_file *file,
                           struct snapshot_file *before) {
     *before = (struct snapshot_file){0};
+    sim->control.stale |= sim->failed; /* a solver without memory may be half made */
     file->status = control_settle(sim);
     if (file->status != PDYN_OK || persist_scene(sim, file) != PDYN_OK) return file->status;
     snapshot_memory_create(sim->context, before);
@@ -183,7 +184,8 @@ pdyn_status snapshot_read(struct pdyn_sim *sim, struct snapshot_file *file,
 pdyn_status snapshot_end_read(struct pdyn_sim *sim, struct snapshot_file *before,
                               pdyn_status status) {
     if (!before->in_memory) return status;
-    if (status != PDYN_OK && persist_state(sim, before) != PDYN_OK) sim->failed = true;
+    if (status == PDYN_OK) sim->failed = false;
+    else if (persist_state(sim, before) != PDYN_OK) sim->failed = true;
     snapshot_file_close(before);
     return status;
 }

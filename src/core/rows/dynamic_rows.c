@@ -7,7 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The index of particles covers all that rows may ever select. */
+/* The index of particles covers all that rows may ever select. Without memory there is none, and
+ * the next call tries again. */
 static pdyn_status make_index(struct batch *b) {
     int low, high;
     rows_selectable(b, &low, &high);
@@ -17,10 +18,13 @@ static pdyn_status make_index(struct batch *b) {
         if (body && body->first < low) low = body->first;
         if (body && body->first + body->count > high) high = body->first + body->count;
     }
+    if (!b->view.scratch)
+        b->view.scratch = context_array(b->context, b->view.body->count, b->type->scratch_size);
+    if (!b->view.scratch && b->type->scratch_size) return PDYN_NO_MEMORY;
+    b->touch_start = NEW_ARRAY(b->context, high - low + 2, int);
+    if (!b->touch_start) return PDYN_NO_MEMORY;
     b->touch_first = low, b->touch_count = high - low;
-    b->touch_start = NEW_ARRAY(b->context, b->touch_count + 2, int);
-    b->view.scratch = context_array(b->context, b->view.body->count, b->type->scratch_size);
-    return b->touch_start && (b->view.scratch || !b->type->scratch_size) ? PDYN_OK : PDYN_NO_MEMORY;
+    return PDYN_OK;
 }
 
 /* New arrays; what the elements had is lost. */
