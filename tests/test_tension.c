@@ -197,7 +197,16 @@ static void test_operator(void **state) {
     wrong_expect(type, "have different products H u");
 }
 
+static void test_rows(void **state) {
+    (void)state;
+    by_operator = false;
+    wrong_expect(rows, NULL);
+    by_operator = true;
+    wrong_expect(rows, "tangent is not that of project");
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_operator)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_operator),
+                                       cmocka_unit_test(test_rows)};
     return cmocka_run_group_tests_name("tension", tests, NULL, NULL);
 }

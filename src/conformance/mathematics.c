@@ -190,7 +190,7 @@ void check_tangent(struct check *check, struct trial *t) {
     for (int k = 0; k < PROBES && k < elements; k++) {
         int e = (int)((long)k * elements / (elements < PROBES ? elements : PROBES));
         int n = 3 * (b->view.element_row[e + 1] - b->view.element_row[e]), acts = pulls(b, e);
-        if (n > MAX_NUMBERS) continue;
+        if (n > MAX_NUMBERS || b->view.weight[e] == 0.0) continue; /* 0: J has no effect */
         tangent_of(check->type, b, e, n, J);
         const char *why = tangent_fault(J, n);
         if (why) {
