@@ -1,5 +1,5 @@
 /* PDYN_NUMERIC_TANGENT: copies of built-in types without their tangent against the types; what it
- * leaves as it was; and the example plug-in magnet.c. */
+ * leaves as it was; types without any tangent; and the example plug-in magnet.c. */
 #include "support.h"
 
 #include "base/registry.h"
@@ -28,13 +28,13 @@ static const struct {
     {"tet", BLOCK("{'type': 'copy', 'stiffness': 1e5, 'volume_stiffness': 1e5}")},
 };
 
-/* Registers a copy of a built-in type without its tangent. */
-static void register_copy(pdyn_context *context, const char *name) {
+/* Registers a copy of a built-in type without its tangent; flags: PDYN_NUMERIC_TANGENT or 0. */
+static void register_copy(pdyn_context *context, const char *name, unsigned flags) {
     static pdyn_constraint_type copy;
     static const pdyn_constraint_type *const types[] = {&copy, NULL};
     static const pdyn_plugin plugin = {PDYN_ABI, "p", types, NULL};
     copy = *registry_constraint(context, name);
-    copy.name = "copy", copy.flags |= PDYN_NUMERIC_TANGENT;
+    copy.name = "copy", copy.flags |= flags;
     copy.tangent = NULL, copy.tangent_rank1 = NULL;
     assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
 }
@@ -65,7 +65,7 @@ static void test_copies(void **state) {
     (void)state;
     for (size_t k = 0; k < sizeof copied / sizeof *copied; k++) {
         pdyn_context *context = test_context(1);
-        register_copy(context, copied[k].name);
+        register_copy(context, copied[k].name, PDYN_NUMERIC_TANGENT);
         pdyn_sim *exact = load_as(context, copied[k].scene, copied[k].name);
         pdyn_sim *numeric = load_as(context, copied[k].scene, "copy");
         int n = 3 * exact->objective.particles;
@@ -84,7 +84,7 @@ static void test_copies(void **state) {
 static void test_restores(void **state) {
     (void)state;
     pdyn_context *context = test_context(3);
-    register_copy(context, "triangle");
+    register_copy(context, "triangle", PDYN_NUMERIC_TANGENT);
     pdyn_sim *sim = test_load(context, copied[1].scene);
     const struct batch *b = sim->objective.batch[0];
     int n = 3 * b->rows;
@@ -95,6 +95,33 @@ static void test_restores(void **state) {
     assert_memory_equal(b->view.u, u, (size_t)n * sizeof *u);
     assert_memory_equal(b->view.p, p, (size_t)n * sizeof *p);
     free(y), free(u), free(p);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* Steps of two lengths: a matrix is made once for each, as with the projective step, and without
+ * the warning of those that change. */
+static void test_without(void **state) {
+    (void)state;
+    struct warnings factor = {.text = "is factored in every iteration"};
+    pdyn_context *context = test_warned_context(1, &factor);
+    pdyn_matrix matrix[3];
+    register_copy(context, "spring", 0);
+    pdyn_sim *sim = test_load(context, copied[0].scene);
+    if (!test_lacks_solver("cholesky")) assert_string_equal(sim->solver->name, "cholesky");
+    assert_int_equal(factor.count, 0);
+    for (int k = 0; k < 3; k++) {
+        sim->objective.h = k < 2 ? 0.01 : 0.02;
+        sim->x[0] += 0.01;
+        double energy, *gradient = test_vector(3 * sim->objective.particles);
+        assert_int_equal(objective_local(&sim->objective, sim->x, &energy, gradient), PDYN_OK);
+        assert_int_equal(solver_view_linearise(&sim->model, 0.0), PDYN_OK);
+        assert_int_equal(sim->model.model.matrix(&sim->model.model, &matrix[k]), PDYN_OK);
+        assert_int_equal(matrix[k].dim, 1);
+        free(gradient);
+    }
+    assert_int_equal(matrix[0].values, matrix[1].values);
+    assert_int_not_equal(matrix[1].values, matrix[2].values);
     pdyn_free(sim);
     pdyn_destroy(context);
 }
@@ -143,8 +170,8 @@ static void test_steps(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_copies),
-                                       cmocka_unit_test(test_restores),
-                                       cmocka_unit_test(test_clamp), cmocka_unit_test(test_steps)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_copies), cmocka_unit_test(test_restores),
+        cmocka_unit_test(test_without), cmocka_unit_test(test_clamp), cmocka_unit_test(test_steps)};
     return cmocka_run_group_tests_name("numeric tangent", tests, NULL, NULL);
 }

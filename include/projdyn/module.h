@@ -527,7 +527,8 @@ typedef struct pdyn_model {
     double h;           /* s, effective length of the step: H contains mass / h^2; 0 before the
                            first step */
     double eps;         /* of H: 0 newton, 1 projective */
-    bool newton;        /* the scene asks for the newton step: eps may be below 1 */
+    bool newton;        /* the scene asks for the newton step, and some constraint has a tangent: H
+                           depends on x and on eps */
     bool dynamic;       /* some constraint changes from step to step */
     bool bodies_alone;  /* of `remainder`: the rows at the iterate tie rigid bodies alone, for which
                            solve_bodies is exact; elsewhere this H is diagonal */

@@ -1,7 +1,8 @@
 /* Solver "cholesky": a sparse Cholesky factor of H. It is analysed when the pattern of H changes
- * and computed when its values change. With the projective step and static constraints both happen
- * once per length of step, and a solve is two triangular solves with three right-hand sides. With
- * the newton step the values change in every iteration, and x, y, z couple. */
+ * and computed when its values change. With static constraints, and the projective step or no
+ * tangents, both happen once per length of step, and a solve is two triangular solves with three
+ * right-hand sides. With the newton step and tangents the values change in every iteration, and x,
+ * y, z couple. */
 #include "cholmod_factor.h"
 
 #include <string.h>

@@ -46,7 +46,7 @@ static pdyn_status update_replicas(struct hessian_matrix *c, bool lists_moved) {
 
 pdyn_status hessian_matrix_update(struct hessian_matrix *c, bool *pattern, bool *values) {
     struct objective *objective = c->objective;
-    int dim = objective->eps < 1.0 ? 3 : 1;
+    int dim = objective->eps < 1.0 && objective_has_tangents(objective) ? 3 : 1;
     bool moved = objective->dynamic && c->lists_revision != objective->lists_revision;
     *pattern =
         c->matrix.dim != dim || (moved && dim == 3) || c->revision != objective_revision(objective);

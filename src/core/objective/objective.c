@@ -182,6 +182,14 @@ pdyn_status objective_linearise(struct objective *o, double eps) {
     return status;
 }
 
+bool objective_has_tangents(const struct objective *o) {
+    for (int k = 0; k < o->batches; k++) {
+        const struct batch *b = o->batch[k];
+        if (b->op || (!b->linear && type_has_tangent(b->type))) return true;
+    }
+    return false;
+}
+
 unsigned objective_revision(const struct objective *o) {
     unsigned sum = 0;
     for (int b = 0; b < o->batches; b++) sum += o->batch[b]->revision;

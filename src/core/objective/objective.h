@@ -114,6 +114,10 @@ pdyn_status objective_local(struct objective *objective, const double *x, double
 /* Fixes tangents and sides of one-sided constraints for H at the x of the last local step. */
 pdyn_status objective_linearise(struct objective *objective, double eps);
 
+/* Whether H of the newton step differs from that of the projective one: operators, and rows that
+ * are not linear, of types with a tangent. */
+bool objective_has_tangents(const struct objective *objective);
+
 /* A counter of changes of rows' selectors. */
 unsigned objective_revision(const struct objective *objective);
 

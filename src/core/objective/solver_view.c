@@ -206,7 +206,7 @@ pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bo
     view->model = (pdyn_model){.services = services,
                                .particles = o->particles,
                                .mass = o->inertia,
-                               .newton = newton,
+                               .newton = newton && objective_has_tangents(o),
                                .dynamic = o->dynamic,
                                .in_rows = view->in_rows,
                                .elements_count = count_batches(o, batch_is_static),

@@ -49,7 +49,7 @@ static const pdyn_global_solver *best_solver(struct pdyn_sim *sim, bool dual, co
 static pdyn_status check_dense(struct pdyn_sim *sim, const pdyn_global_solver *solver) {
     for (int k = 0; k < sim->objective.batches; k++) {
         const struct batch *b = sim->objective.batch[k];
-        if (!solver->direct || !sim->scene.settings.newton || !b->wide || b->rows <= MAX_DENSE)
+        if (!solver->direct || !sim->model.model.newton || !b->wide || b->rows <= MAX_DENSE)
             continue;
         return context_fail(sim->context, PDYN_BAD_INPUT,
                             "solver \"%s\": constraint \"%s\" on body \"%s\" couples %d vertices "
@@ -76,7 +76,7 @@ static pdyn_status find_solver(struct pdyn_sim *sim, const char *name,
 }
 
 void solver_choice_warn(struct pdyn_sim *sim) {
-    bool newton = sim->scene.settings.newton, dynamic = sim->objective.dynamic;
+    bool newton = sim->model.model.newton, dynamic = sim->objective.dynamic;
     if (!sim->solver->direct || !(dynamic || newton)) return;
     warnings_say(sim->context, sim_warning(sim, WARNING_FACTOR, sim->solver->name, 1, 0.0),
                  "the matrix of this scene changes (%s), so it is factored in every iteration, %s; "
