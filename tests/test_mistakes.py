@@ -186,7 +186,7 @@ MISTAKES = [
                    ("bodies.1.constraints.1.vertices", ALL)), "[edge-length]"),
     Mistake("fixed step longer than a frame", change(("time_step", {"fixed": 0.05})), "[frames]"),
     Mistake("fixed step that does not divide a frame", change(("time_step", {"fixed": 0.02}), ("frame_interval", 0.03)),
-            'steps have 0.015 s, not the fixed 0.02 s, because they end at frames, every 0.03 s; with the "frame_interval" 0.04 they fit [frames]'),
+            'steps that end at frames, every 0.03 s, have 0.015 s, not the fixed 0.02 s; with the "frame_interval" 0.04 they fit [frames]'),
     Mistake("duration shorter than a frame", change(("duration", 0.01)), "[frames]"),
     Mistake("free cloth above a solid, no contact", change(FREE, ("contact", None)), "[no-contact]"),
     Mistake("mesh with split vertices", change(("bodies.1.surface", {"mesh": "squares.obj", "area_density": 0.2}),

@@ -237,11 +237,10 @@ static void check_fixed(struct pdyn_sim *sim) {
     if (fixed == 0.0) return;
     double steps = timestep_count(frame, fixed), h = frame / steps;
     if (fabs(h - fixed) > max_shortened * fixed)
-        WARN(
-            sim, FRAMES, "",
-            "steps have %g s, not the fixed %g s, because they end at frames, every %g s; with the "
-            "\"frame_interval\" %.9g they fit",
-            h, fixed, frame, steps * fixed);
+        WARN(sim, FRAMES, "",
+             "steps that end at frames, every %g s, have %g s, not the fixed %g s; with the "
+             "\"frame_interval\" %.9g they fit",
+             frame, h, fixed, steps * fixed);
 }
 
 static void check_duration(struct pdyn_sim *sim) {
