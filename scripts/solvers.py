@@ -140,9 +140,8 @@ def cost(seconds, names):
     for name in names or COUPLED:
         run = Run(name, name, seconds)
         alone = [Run(f"{name}_alone", scene, seconds).ms() for scene in split(load_scene(name), run.report)]
-        count = run.report["particles"]
         vertices = sum(body["count"] for body in run.report["bodies"] if body["kind"] != "particles")
-        print_row(name, count["fluid"], vertices, f"{run.ms():.1f}", f"{alone[0]:.1f}",
+        print_row(name, run.report["particles"]["end"], vertices, f"{run.ms():.1f}", f"{alone[0]:.1f}",
                   f"{alone[1]:.1f}", f"{run.ms() / sum(alone):.1f}", f"{run.mean('linear_iterations'):.0f}",
                   f"{run.mean('outer_iterations'):.1f}", run.unsolved(),
                   percent(run.report["solver"]["dual_steps"] / len(run.steps)), *shares(run.report))
