@@ -59,9 +59,18 @@ class Handle:
                 raise _raised.pop()
             if status:
                 text = lib.pdyn_last_error(self.context)
-                if not text or (status == BAD_CALL and text == before):
-                    text = lib.pdyn_status_text(status)
-                raise error_of(status, text.decode())
+                if status == BAD_CALL and text == before:
+                    text = self._text_of(function, *arguments)
+                raise error_of(status, (text or lib.pdyn_status_text(status)).decode())
+
+    def _text_of(self, function: Callable[..., int], *arguments: Any) -> bytes:
+        """The text of a bad call, which changes nothing. It may set none and leave the text of an
+        error before: it is called again after an error with another text."""
+        lib.pdyn_scene_open(self.context, b"", byref(c_void_p()))
+        other = lib.pdyn_last_error(self.context)
+        function(self.pointer, *arguments)
+        text = lib.pdyn_last_error(self.context)
+        return b"" if text == other else text
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("objects of projdyn cannot be copied or pickled: write a scene to a file "
