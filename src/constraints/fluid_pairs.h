@@ -7,7 +7,7 @@
  *
  * Pairs are stored in float, sums and everything else in double. Both directions of a pair hold the
  * same rounded numbers, so momentum and the symmetry of H are exact to double precision. Memory: 20
- * bytes per listed neighbour, 168 per particle of the system, 80 more per sample and 32 per
+ * bytes per listed neighbour, 168 per particle of the system, 84 more per sample and 32 per
  * boundary point. */
 #ifndef PDYN_FLUID_PAIRS_H
 #define PDYN_FLUID_PAIRS_H

@@ -23,9 +23,6 @@ static const double patience = 1.5;
 
 /* An unsolved step counts as so many times its work. */
 static const double unsolved_penalty = 4.0;
-/* The other solver is tried when the work of a step exceeds this many times its own, as last known
- * (docs/theory/solvers.md). */
-static const double behind = 1.25;
 
 /* ---- which solvers --------------------------------------------------------------------------- */
 
@@ -180,7 +177,7 @@ void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved) {
     if (c->trial || dual_has_failed(sim)) {
         end_trial(sim);
     } else if (iterations > CHEAP &&
-               (sim->steps >= c->next || now->cost > behind * c->slot[!c->active].cost)) {
+               (sim->steps >= c->next || now->cost > c->slot[!c->active].cost)) {
         c->trial = true;
         change_solver(sim);
     }
