@@ -68,7 +68,8 @@ class Simulation(Fixed):
 
     def step(self, h: Optional[float] = None) -> StepInfo:
         """Computes a step. h: its length, s, which "cfl" does not limit; None: chosen by the
-        scene, ends at frames at the latest. StepError: the step failed, and the state is that of the step before."""
+        scene, ends at frames at the latest. StepError: the step failed, and the state is that of
+        the step before."""
         info = StepInfo()
         for body in self.bodies.values():
             if isinstance(body, Rigid):

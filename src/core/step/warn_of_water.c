@@ -1,6 +1,7 @@
 /* Warnings about surfaces in a fluid: meshes that it does not see well, bodies that do not sink. */
 #include "base/registry.h"
 #include "extent.h"
+#include "geometry/bvh.h"
 #include "live_particles.h"
 #include "sim.h"
 #include "sph/boundary.h"
@@ -34,13 +35,9 @@ const pdyn_body *warn_lightest_fluid(const struct pdyn_sim *sim) {
 /* Whether the surface has no border, as that of a bag or of a volume. */
 static bool is_closed(const pdyn_body *body) { return 2 * body->edges == 3 * body->triangles; }
 
-/* Whether particles of the fluid are in the box of a body that is moved by a displacement, or
- * within a particle radius of it. */
-static bool is_wet(const struct pdyn_sim *sim, int b, const double moved[3],
-                   const pdyn_body *fluid) {
-    struct box box = extent_of_body(sim, &sim->body[b]);
+/* Whether particles of the fluid are in a box or within a particle radius of it. */
+static bool is_wet(const struct pdyn_sim *sim, struct box box, const pdyn_body *fluid) {
     bool wet = false;
-    for (int a = 0; a < 3; a++) box.min[a] += moved[a], box.max[a] += moved[a];
     box_grow(&box, fluid->radius);
     for (int i = fluid->first; i < fluid->first + fluid->count && !wet; i++)
         wet = particle_is_live(sim, i) && box_contains(&box, sim->x + 3 * (size_t)i);
@@ -49,25 +46,40 @@ static bool is_wet(const struct pdyn_sim *sim, int b, const double moved[3],
 
 /* Whether no particle of the fluid is near it at the start. */
 static bool is_dry(const struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
-    return !is_wet(sim, b, (const double[3]){0}, fluid);
+    return !is_wet(sim, extent_of_body(sim, &sim->body[b]), fluid);
+}
+
+/* Whether a key of the path moves the box into the fluid. Most keys of a long path are told from
+ * the box of the fluid. */
+static bool leads_into(const struct pdyn_sim *sim, const pdyn_path *path, const struct box *box,
+                       const pdyn_body *fluid) {
+    struct box liquid = extent_of_body(sim, fluid);
+    bool into = false;
+    box_grow(&liquid, fluid->radius);
+    for (int k = 0; k < path->count && !into; k++) {
+        const double *by = path->key + 4 * (size_t)k + 1;
+        struct box moved = *box;
+        for (int a = 0; a < 3; a++) moved.min[a] += by[a], moved.max[a] += by[a];
+        into = box_overlaps(&moved, &liquid) && is_wet(sim, moved, fluid);
+    }
+    return into;
 }
 
 /* Whether pins draw a dry sheet, which is no narrow strip, along a path into the fluid. */
 static bool is_drawn(const struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     const struct scene_body *body = &sim->scene.body[b];
     struct box box = extent_of_body(sim, &sim->body[b]);
-    bool drawn = false;
+    bool strip = mesh_area(&body->mesh) <= narrow * 2.0 * fluid->radius * box_extent(&box);
+    if (strip || !is_dry(sim, b, fluid)) return false;
     for (int k = 0; k < body->constraints; k++) {
         const struct scene_constraint *c = &body->constraint[k];
         for (const pdyn_param *p = c->type->params; p->name; p++) {
             const pdyn_path *path = param_path(p, c->params);
             if (!path || !(c->type->flags & PDYN_REACTION) || strcmp(p->name, "path")) continue;
-            for (int j = 0; j < path->count && !drawn; j++)
-                drawn = is_wet(sim, b, path->key + 4 * (size_t)j + 1, fluid);
+            if (leads_into(sim, path, &box, fluid)) return true;
         }
     }
-    return drawn && is_dry(sim, b, fluid) &&
-           mesh_area(&body->mesh) > narrow * 2.0 * fluid->radius * box_extent(&box);
+    return false;
 }
 
 /* Thickness of sheets and rigid bodies in the fluid, m. */
