@@ -13,6 +13,7 @@ struct listing {
     int bodies;
     const pdyn_body *body;
     const double *rest;
+    const bool *at_solid;
     struct box *box; /* of each triangle at rest */
     struct bvh tree; /* of these boxes */
     int first, last; /* triangles of the current body: first to before last */
@@ -32,7 +33,7 @@ static void add_side(void *user, int triangle) {
     memcpy(l->border->end + 2 * (size_t)to, l->end, sizeof l->end);
 }
 
-/* Side k of the body lies on its border: visits the triangles near it. */
+/* Side k of the body lies on its border: visits the triangles near it, unless a solid closes it. */
 static void visit_side(struct listing *l, const pdyn_body *body, int k,
                        void (*visit)(void *user, int triangle)) {
     const int *corner = body->triangle + k / 3 * 3;
@@ -41,6 +42,7 @@ static void visit_side(struct listing *l, const pdyn_body *body, int k,
         l->end[m] = body->first + corner[(k + 1 + m) % 3];
         box_add(&box, l->rest + 3 * (size_t)l->end[m]);
     }
+    if (l->at_solid[l->end[0]] && l->at_solid[l->end[1]]) return;
     box_grow(&box, l->border->width);
     bvh_visit(&l->tree, &box, 0, visit, l);
 }
@@ -85,8 +87,10 @@ static pdyn_status list_sides(struct listing *l) {
 }
 
 pdyn_status border_create(pdyn_context *context, int bodies, const pdyn_body *body,
-                          const double *rest, double width, struct border *out) {
-    struct listing l = {.border = out, .bodies = bodies, .body = body, .rest = rest};
+                          const double *rest, const bool *at_solid, double width,
+                          struct border *out) {
+    struct listing l = {
+        .border = out, .bodies = bodies, .body = body, .rest = rest, .at_solid = at_solid};
     out->context = context, out->width = width;
     for (int b = 0; b < bodies; b++) out->triangles += hiding_triangles(&body[b]);
     if (!out->triangles || width == 0.0) return PDYN_OK;

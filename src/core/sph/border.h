@@ -20,10 +20,12 @@ static inline int hiding_triangles(const pdyn_body *body) {
     return body->permeability > 0.0 ? 0 : body->triangles;
 }
 
-/* Lists, for each triangle, the sides of its body's border whose strip it meets at rest. rest: of
- * the system, m; width: of the strip, m. *out must be 0. */
+/* Lists, for each triangle, the sides of its body's border whose strip it meets at rest, but for
+ * the sides with both ends at a solid: nothing goes around them. rest: of the system, m; at_solid:
+ * of its particles; width: of the strip, m. *out must be 0. */
 pdyn_status border_create(pdyn_context *context, int bodies, const pdyn_body *body,
-                          const double *rest, double width, struct border *out);
+                          const double *rest, const bool *at_solid, double width,
+                          struct border *out);
 void border_free(struct border *border);
 
 /* Whether the triangle has sides in its list. */

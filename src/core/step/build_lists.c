@@ -1,6 +1,7 @@
 /* Neighbour lists of a simulation, in a scene with a constraint that works on them: the points of
  * SPH sums are particles, samples on surfaces and boundary points on solids. */
 #include "build.h"
+#include "geometry/mesh_query.h"
 #include "live_particles.h"
 #include "sim.h"
 #include "solid_points.h"
@@ -70,6 +71,34 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
     return status;
 }
 
+/* Vertices of sheets within a distance, m, of a solid. */
+static pdyn_status find_vertices_at_solids(const struct pdyn_sim *sim, double distance,
+                                           bool *at_solid) {
+    for (int k = 0; k < sim->scene.solids; k++) {
+        struct mesh_query query;
+        pdyn_status status = mesh_query_create(sim->context, &sim->scene.solid[k].mesh, &query);
+        if (status != PDYN_OK) return status;
+        for (int b = 0; b < sim->bodies; b++) {
+            const pdyn_body *body = &sim->body[b];
+            for (int i = body->first; body->triangles && i < body->first + body->count; i++)
+                at_solid[i] |= mesh_query_is_close(&query, sim->x + 3 * (size_t)i, distance);
+        }
+        mesh_query_free(sim->context, &query);
+    }
+    return PDYN_OK;
+}
+
+static pdyn_status create_border(struct pdyn_sim *sim, double width) {
+    bool *at_solid = NEW_ARRAY(sim->context, sim->objective.particles, bool);
+    pdyn_status status = at_solid ? PDYN_OK : PDYN_NO_MEMORY;
+    if (status == PDYN_OK && width > 0.0) status = find_vertices_at_solids(sim, width, at_solid);
+    if (status == PDYN_OK)
+        status = border_create(sim->context, sim->bodies, sim->body, sim->rest, at_solid, width,
+                               &sim->border);
+    FREE_ARRAY(sim->context, at_solid, sim->objective.particles);
+    return status;
+}
+
 /* Does some surface need the limit on displacements? Walls of a box and boundary "points" do not.
  */
 static pdyn_status make_limits(struct pdyn_sim *sim) {
@@ -90,9 +119,7 @@ pdyn_status lists_create(struct pdyn_sim *sim) {
         .border = &sim->border,
         .thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0};
     pdyn_status status = solid_points_sample(sim, spacing);
-    if (status == PDYN_OK)
-        status = border_create(sim->context, sim->bodies, sim->body, sim->rest,
-                               sampling.model->strip * spacing, &sim->border);
+    if (status == PDYN_OK) status = create_border(sim, sampling.model->strip * spacing);
     if (status == PDYN_OK)
         status = samples_create(sim->context, sim->bodies, sim->body, sim->objective.particles,
                                 sim->rest, &sampling, &sim->objective.samples);
