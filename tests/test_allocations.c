@@ -26,13 +26,15 @@ struct walk {
     size_t size;              /* bytes of it */
 };
 
-/* Whether the call succeeded. Every failure must be "out of memory". */
+/* Whether the call succeeded. Every failure must be "out of memory", not the text of another call.
+ */
 static bool succeeded(const struct walk *w, pdyn_status status) {
     static const char expected[] = "out of memory";
     if (status == PDYN_OK) return true;
     if (status != PDYN_NO_MEMORY ||
         strncmp(pdyn_last_error(w->context), expected, strlen(expected)))
         fail_msg("%s: %s", pdyn_status_text(status), pdyn_last_error(w->context));
+    context_fail(w->context, PDYN_OK, "not the text of the next call");
     return false;
 }
 

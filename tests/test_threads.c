@@ -2,6 +2,7 @@
 #include "support.h"
 
 #include <pthread.h>
+#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -75,6 +76,30 @@ static void test_one_context(void **state) {
     run_together(2, THREADS, hash);
 }
 
+/* A call that fails; arg: the context. Returns NULL if the text is not that of this call. */
+static void *run_bad_call(void *arg) {
+    pdyn_sim *sim = NULL;
+    if (*pdyn_last_error(arg)) return NULL;
+    if (pdyn_load_text(arg, "}", "other", NULL, 0, &sim) != PDYN_BAD_INPUT) return NULL;
+    return strncmp(pdyn_last_error(arg), "other:1:1: ", 11) ? NULL : arg;
+}
+
+/* Each thread has its own text of the last error, in one context and without one. */
+static void test_errors(void **state) {
+    (void)state;
+    static const char expected[] = "pdyn_step: sim is NULL";
+    pdyn_context *context = test_context(2);
+    pthread_t thread;
+    void *good;
+    assert_int_equal(pdyn_step(NULL, NULL), PDYN_BAD_CALL);
+    assert_int_equal(pthread_create(&thread, NULL, run_bad_call, context), 0);
+    assert_int_equal(pthread_join(thread, &good), 0);
+    assert_non_null(good);
+    assert_string_equal(pdyn_last_error(context), expected);
+    assert_string_equal(pdyn_last_error(NULL), expected);
+    pdyn_destroy(context);
+}
+
 static int run_in_child(pdyn_context *context, pdyn_sim *sim) {
     if (!run(sim) || pdyn_step(sim, NULL) != PDYN_OK) return 255;
     int code = (int)(pdyn_state_hash(sim) % 251);
@@ -108,6 +133,7 @@ static void test_fork(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_one_context),
+        cmocka_unit_test(test_errors),
         cmocka_unit_test(test_fork),
     };
     return cmocka_run_group_tests_name("threads", tests, NULL, NULL);

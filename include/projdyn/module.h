@@ -264,7 +264,8 @@ typedef struct pdyn_services { /* what core offers to operators and solvers */
     void (*parallel_for)(pdyn_core *core, int count, int grain, pdyn_range_fn *fn, void *arg);
     /* New memory is zeroed. block NULL allocates, new_size 0 frees. Returns NULL: no memory. */
     void *(*allocate)(pdyn_core *core, void *block, size_t old_size, size_t new_size);
-    /* Sets the text of pdyn_last_error and returns the status. */
+    /* Sets the text of pdyn_last_error and returns the status. For the thread of the callback, not
+     * within parallel_for. A callback that fails without it gets the text of the status. */
     pdyn_status (*set_error)(pdyn_core *core, pdyn_status status, const char *message);
 } pdyn_services;
 

@@ -9,9 +9,9 @@
  * belong to one thread at a time. The threads of the context work for one simulation at a time; a
  * step of another one meanwhile runs on its caller's thread, with the same bits. Calls that
  * register types need the context alone: pdyn_load_plugin, pdyn_register, loading a scene with
- * "plugins"; so does pdyn_destroy. pdyn_last_error is the text of the last error of any thread. A
- * log function and an allocator must be thread-safe. A forked child may go on with its copy of a
- * simulation, on one thread.
+ * "plugins"; so does pdyn_destroy. Each thread has its own pdyn_last_error. A log function and an
+ * allocator must be thread-safe. A forked child may go on with its copy of a simulation, on one
+ * thread.
  *
  * Structs that a caller fills or gets may grow at their end in a later version. Programs call
  * inline functions that pass the size they were compiled with to the exported function
@@ -116,7 +116,10 @@ static inline pdyn_status pdyn_create(const pdyn_options *options, pdyn_context 
 }
 /* All simulations of the context must be freed before. NULL: does nothing. */
 PDYN_API void pdyn_destroy(pdyn_context *context);
-/* Text of the last error; never NULL. After PDYN_BAD_CALL it may be that of an error before. */
+/* Text of the last call of the calling thread that failed: what was given, what was expected; after
+ * PDYN_BAD_CALL with the names of the function and the argument. Every call that fails sets it, no
+ * other changes it. Never NULL. A thread has one text for all contexts; context NULL is allowed,
+ * e.g. after pdyn_create. Copy the text to read it on another thread. */
 PDYN_API const char *pdyn_last_error(const pdyn_context *context);
 /* Number of threads, the caller's included. */
 PDYN_API int pdyn_thread_count(const pdyn_context *context);

@@ -2,6 +2,8 @@
  * of each solver. */
 #include "conformance.h"
 
+#include "base/bad_call.h"
+
 /* Each check gets a trial of its own, so that faults do not affect later checks. The other checks
  * need callbacks that write only where they may: without, they are skipped. */
 static void check_strain(struct check *check) {
@@ -80,7 +82,7 @@ static void check_plugin(struct check *check, const pdyn_plugin *plugin) {
 
 pdyn_status pdyn_conformance(pdyn_context *context, const char *name,
                              void (*tell)(void *user, const char *text), void *user, int *faults) {
-    if (!context || !faults) return PDYN_BAD_CALL;
+    if (HAS_NULL(context, faults)) return PDYN_BAD_CALL;
     struct check check = {.like = context, .tell = tell, .user = user};
     const pdyn_constraint_type *type = name ? registry_constraint(context, name) : NULL;
     const pdyn_global_solver *solver = name ? registry_solver(context, name) : NULL;

@@ -2,6 +2,7 @@
  * services that modules get of all this. */
 #include "context.h"
 
+#include "bad_call.h"
 #include "registry.h"
 #include "sized.h"
 
@@ -51,18 +52,19 @@ static int usable_cores(void) {
 }
 
 pdyn_status pdyn_create_sized(const pdyn_options *options, size_t size, pdyn_context **out) {
-    if (!out) return PDYN_BAD_CALL;
+    if (HAS_NULL(out)) return PDYN_BAD_CALL;
     *out = NULL;
     pdyn_options chosen = pdyn_default_options();
     if (options) memcpy(&chosen, options, size < sizeof chosen ? size : sizeof chosen);
     if (!chosen.allocate) chosen.allocate = libc_allocate;
-    if (chosen.threads < 0 || chosen.threads > 1024) return PDYN_BAD_CALL;
+    if (chosen.threads < 0 || chosen.threads > 1024)
+        return bad_call(__func__, "options.threads: expected 0 to 1024, found %d", chosen.threads);
     if (!chosen.threads) {
         int cores = usable_cores();
         chosen.threads = cores < 1 ? 1 : cores > 64 ? 64 : cores;
     }
     pdyn_context *context = chosen.allocate(chosen.allocate_user, NULL, 0, sizeof *context);
-    if (!context) return PDYN_NO_MEMORY;
+    if (!context) return context_no_memory(NULL);
     memset(context, 0, sizeof *context);
     context->options = chosen;
     context->plugin[context->plugins++] = &registry_builtin;
@@ -70,7 +72,8 @@ pdyn_status pdyn_create_sized(const pdyn_options *options, size_t size, pdyn_con
     context->pool = pool_create(chosen.threads);
     if (!context->pool) {
         pdyn_destroy(context);
-        return PDYN_NO_MEMORY;
+        return context_fail(NULL, PDYN_NO_MEMORY, "out of memory, or %d threads cannot be made",
+                            chosen.threads);
     }
     *out = context;
     return PDYN_OK;
@@ -83,7 +86,6 @@ void pdyn_destroy(pdyn_context *context) {
     context->options.allocate(context->options.allocate_user, context, sizeof *context, 0);
 }
 
-const char *pdyn_last_error(const pdyn_context *context) { return context ? context->error : ""; }
 int pdyn_thread_count(const pdyn_context *context) {
     return context ? context->options.threads : 0;
 }
@@ -148,20 +150,30 @@ bool context_arrays(pdyn_context *context, const struct array_entry *table, size
     return complete;
 }
 
-static _Thread_local char own_error[CONTEXT_ERROR];
+static _Thread_local char last_error[CONTEXT_ERROR];
+static _Thread_local unsigned errors_so_far;
+
+const char *pdyn_last_error(const pdyn_context *context) {
+    (void)context;
+    return last_error;
+}
 
 pdyn_status context_fail(pdyn_context *context, pdyn_status status, const char *format, ...) {
     va_list args;
+    (void)context;
     va_start(args, format);
-    vsnprintf(own_error, sizeof own_error, format, args);
+    vsnprintf(last_error, sizeof last_error, format, args);
     va_end(args);
-    pthread_mutex_lock(&context->lock);
-    memcpy(context->error, own_error, sizeof own_error);
-    pthread_mutex_unlock(&context->lock);
+    errors_so_far++;
     return status;
 }
 
-const char *context_error(void) { return own_error; }
+unsigned context_errors(void) { return errors_so_far; }
+
+pdyn_status context_module(const char *name, pdyn_status status, unsigned errors) {
+    if (status == PDYN_OK || errors != errors_so_far) return status;
+    return context_fail(NULL, status, "%s (\"%s\")", pdyn_status_text(status), name);
+}
 
 pdyn_status context_no_memory(pdyn_context *context) {
     return context_fail(context, PDYN_NO_MEMORY, "out of memory (%zu bytes in use)",

@@ -14,9 +14,8 @@ enum { MAX_PLUGINS = 64, CONTEXT_ERROR = 2048 };
 struct pdyn_context {
     pdyn_options options;
     struct pool *pool;
-    pthread_mutex_t lock; /* of bytes, peak_bytes and error */
+    pthread_mutex_t lock; /* of bytes and peak_bytes */
     size_t bytes, peak_bytes;
-    char error[CONTEXT_ERROR];
     int plugins;
     const struct pdyn_plugin *plugin[MAX_PLUGINS]; /* entry 0: the library's own types */
 };
@@ -72,12 +71,16 @@ enum array_action { ARRAYS_ALLOCATE, ARRAYS_FREE };
 bool context_arrays(pdyn_context *context, const struct array_entry *table, size_t rows,
                     enum array_action action);
 
-/* Sets the error text (printf format) and returns `status`. */
+/* Sets the error text of the calling thread (printf format) and returns `status`. context: of the
+ * objects that the call is about; NULL: there is none. */
 pdyn_status context_fail(pdyn_context *context, pdyn_status status, const char *format, ...)
     PDYN_PRINTF(3, 4);
-/* The text that this thread has set last; another thread may have replaced that of the context. */
-const char *context_error(void);
 pdyn_status context_no_memory(pdyn_context *context);
+/* The status of a callback of the module `name`, which may have failed without a text: then it gets
+ * that of the status. errors: context_errors() before the callback, errors of this thread so far.
+ */
+unsigned context_errors(void);
+pdyn_status context_module(const char *name, pdyn_status status, unsigned errors);
 void context_log(pdyn_context *context, pdyn_log_level level, const char *format, ...)
     PDYN_PRINTF(3, 4);
 

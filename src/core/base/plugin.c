@@ -1,5 +1,6 @@
 /* Loading plug-ins: shared objects with one data symbol, pdyn_plugin_table. A plug-in is never
  * unloaded, because simulations and other contexts may refer to its tables. */
+#include "bad_call.h"
 #include "context.h"
 #include "projdyn/module.h"
 
@@ -27,7 +28,8 @@ static void *open_object(pdyn_context *context, const char *path) {
 }
 
 pdyn_status pdyn_load_plugin(pdyn_context *context, const char *path) {
-    if (!context || !path || !*path) return PDYN_BAD_CALL;
+    if (HAS_NULL(context, path)) return PDYN_BAD_CALL;
+    if (!*path) return bad_call(__func__, "path is empty");
     dlerror();
     void *object = open_object(context, path);
     if (!object) return fail_load(context, path);
@@ -38,6 +40,6 @@ pdyn_status pdyn_load_plugin(pdyn_context *context, const char *path) {
     pdyn_status status = pdyn_register(context, plugin);
     if (status != PDYN_BAD_INPUT) return status;
     char why[1024];
-    snprintf(why, sizeof why, "%.1000s", context_error());
+    snprintf(why, sizeof why, "%.1000s", pdyn_last_error(NULL));
     return context_fail(context, status, "%.1000s: %s", path, why);
 }

@@ -1,6 +1,7 @@
 /* The registry: lists of built-in types, search by name, registration of plug-ins. */
 #include "registry.h"
 
+#include "bad_call.h"
 #include "builtin.h"
 
 #include <string.h>
@@ -105,7 +106,7 @@ static pdyn_status check_types(pdyn_context *context, const pdyn_plugin *plugin)
 }
 
 pdyn_status pdyn_register(pdyn_context *context, const pdyn_plugin *plugin) {
-    if (!context || !plugin) return PDYN_BAD_CALL;
+    if (HAS_NULL(context, plugin)) return PDYN_BAD_CALL;
     for (int p = 0; p < context->plugins; p++)
         if (context->plugin[p] == plugin) return PDYN_OK;
     if (plugin->abi != PDYN_ABI)

@@ -165,7 +165,7 @@ pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, co
     pdyn_status status = check_edges(context, mesh, name, check_closed_edge);
     if (status != PDYN_BAD_INPUT) return status;
     char why[CONTEXT_ERROR];
-    snprintf(why, sizeof why, "%s", context_error());
+    snprintf(why, sizeof why, "%s", pdyn_last_error(NULL));
     status = mesh_count_duplicates(context, mesh, &doubles);
     if (status != PDYN_OK) return status;
     if (!doubles) return PDYN_BAD_INPUT;

@@ -1,4 +1,5 @@
 /* Frames of a run: VTK and PLY files, one for each part, and the series that list them. */
+#include "base/bad_call.h"
 #include "base/clock.h"
 #include "base/text.h"
 #include "series.h"
@@ -84,7 +85,7 @@ static pdyn_status write_frame(pdyn_writer *writer) {
 }
 
 pdyn_status pdyn_writer_frame(pdyn_writer *writer) {
-    if (!writer) return PDYN_BAD_CALL;
+    if (HAS_NULL(writer)) return PDYN_BAD_CALL;
     double start = clock_ms();
     pdyn_status status = write_frame(writer);
     writer->report.output_ms += clock_ms() - start;

@@ -1,4 +1,5 @@
 /* The rows of metrics.csv and probes.csv, one per step. */
+#include "base/bad_call.h"
 #include "base/clock.h"
 #include "base/sized.h"
 #include "base/text.h"
@@ -151,7 +152,7 @@ static pdyn_status append_rows(pdyn_writer *writer, const pdyn_step_info *info) 
 
 pdyn_status pdyn_writer_step_sized(pdyn_writer *writer, const pdyn_step_info *info, size_t size) {
     pdyn_step_info known;
-    if (!writer || !info) return PDYN_BAD_CALL;
+    if (HAS_NULL(writer, info)) return PDYN_BAD_CALL;
     sized_copy(&known, sizeof known, info, size);
     double start = clock_ms();
     pdyn_status status = append_rows(writer, &known);

@@ -1,6 +1,7 @@
 /* Saved states: everything on which the next step of a simulation depends. */
 #include "snapshot.h"
 
+#include "base/bad_call.h"
 #include "contact/contact.h"
 #include "scene/fingerprint.h"
 #include "step/crossings.h"
@@ -79,8 +80,12 @@ static void note_status(struct snapshot_file *file, pdyn_status status) {
 static void persist_modules(struct pdyn_sim *sim, struct snapshot_file *file) {
     for (int b = 0; b < sim->objective.batches && file->status == PDYN_OK; b++) {
         struct batch *batch = sim->objective.batch[b];
+        unsigned errors = context_errors();
         if (batch->op && batch->type->matrix_free->persist)
-            note_status(file, batch->type->matrix_free->persist(batch->op, &file->view));
+            note_status(file,
+                        context_module(batch->type->name,
+                                       batch->type->matrix_free->persist(batch->op, &file->view),
+                                       errors));
         if (batch->op && file->status == PDYN_OK) one_sided_persist(&batch->one_sided, file);
         size_t size = batch->type->memory_size;
         if (size) row_memory_persist(sim->context, &batch->memory, size, file);
@@ -157,7 +162,7 @@ static pdyn_status read_state(struct pdyn_sim *sim, struct snapshot_file *file) 
     pdyn_status status = persist_state(sim, file);
     if (status != PDYN_DIVERGED) return status;
     char why[512];
-    snprintf(why, sizeof why, "%s", context_error());
+    snprintf(why, sizeof why, "%s", pdyn_last_error(NULL));
     file->status = PDYN_OK;
     snapshot_file_require(file, false, why);
     return file->status;
@@ -194,7 +199,7 @@ pdyn_status snapshot_end_read(struct pdyn_sim *sim, struct snapshot_file *before
 
 pdyn_status pdyn_save(pdyn_sim *sim, const char *path) {
     struct snapshot_file file;
-    if (!sim || !path) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, path)) return PDYN_BAD_CALL;
     pdyn_status status = snapshot_file_create(sim->context, path, &file);
     if (status != PDYN_OK) return status;
     snapshot_write(sim, &file);
@@ -203,12 +208,14 @@ pdyn_status pdyn_save(pdyn_sim *sim, const char *path) {
 
 pdyn_status pdyn_save_memory(pdyn_sim *sim, void *buffer, size_t capacity, size_t *size) {
     struct snapshot_file file;
-    if (!sim || !size || (!buffer && capacity)) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, size)) return PDYN_BAD_CALL;
+    if (!buffer && capacity) return bad_call(__func__, "buffer is NULL, capacity is %zu", capacity);
     snapshot_buffer_create(sim->context, buffer, capacity, &file);
     pdyn_status status = snapshot_write(sim, &file);
     if (status != PDYN_OK) return status;
     *size = snapshot_buffer_end(&file);
-    return buffer && *size > capacity ? PDYN_BAD_CALL : PDYN_OK;
+    if (!buffer || *size <= capacity) return PDYN_OK;
+    return bad_call(__func__, "capacity: expected at least %zu, found %zu", *size, capacity);
 }
 
 /* Restores an opened state and closes it. */
@@ -221,14 +228,14 @@ static pdyn_status restore_from(pdyn_sim *sim, struct snapshot_file *file) {
 
 pdyn_status pdyn_restore(pdyn_sim *sim, const char *path) {
     struct snapshot_file file;
-    if (!sim || !path) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, path)) return PDYN_BAD_CALL;
     pdyn_status status = snapshot_file_open(sim->context, path, &file);
     return status == PDYN_OK ? restore_from(sim, &file) : status;
 }
 
 pdyn_status pdyn_restore_memory(pdyn_sim *sim, const void *buffer, size_t size) {
     struct snapshot_file file;
-    if (!sim || !buffer) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, buffer)) return PDYN_BAD_CALL;
     pdyn_status status = snapshot_buffer_open(sim->context, buffer, size, &file);
     return status == PDYN_OK ? restore_from(sim, &file) : status;
 }

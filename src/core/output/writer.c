@@ -1,6 +1,7 @@
 /* The output directory of a run: opening, saving and resuming, the report. */
 #include "writer.h"
 
+#include "base/bad_call.h"
 #include "base/clock.h"
 #include "snapshot.h"
 
@@ -97,7 +98,7 @@ static pdyn_status persist_output(pdyn_writer *writer, struct snapshot_file *fil
 
 pdyn_status pdyn_writer_save(pdyn_writer *writer) {
     struct snapshot_file file;
-    if (!writer) return PDYN_BAD_CALL;
+    if (HAS_NULL(writer)) return PDYN_BAD_CALL;
     double start = clock_ms();
     pdyn_status status =
         snapshot_file_create(writer->context, writer_path(writer, STATE_FILE), &file);
@@ -205,10 +206,6 @@ static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
 static pdyn_status open_writer(pdyn_sim *sim, const char *directory, bool ply,
                                pdyn_status (*begin)(pdyn_writer *writer, const char *directory),
                                pdyn_writer **out) {
-    if (out) *out = NULL;
-    if (!sim || !directory || !out) return PDYN_BAD_CALL;
-    if (!*directory)
-        return context_fail(sim->context, PDYN_BAD_CALL, "the output directory has an empty name");
     pdyn_writer *writer = NEW_ARRAY(sim->context, 1, pdyn_writer);
     if (!writer) return PDYN_NO_MEMORY;
     writer->sim = sim;
@@ -225,17 +222,25 @@ static pdyn_status open_writer(pdyn_sim *sim, const char *directory, bool ply,
     return status;
 }
 
+static bool has_no_name(const char *function, const char *directory) {
+    return !*directory && bad_call(function, "directory is empty");
+}
+
 pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool ply, pdyn_writer **out) {
+    if (out) *out = NULL;
+    if (HAS_NULL(sim, directory, out) || has_no_name(__func__, directory)) return PDYN_BAD_CALL;
     return open_writer(sim, directory, ply, prepare, out);
 }
 
 pdyn_status pdyn_writer_resume(pdyn_sim *sim, const char *directory, pdyn_writer **out) {
+    if (out) *out = NULL;
+    if (HAS_NULL(sim, directory, out) || has_no_name(__func__, directory)) return PDYN_BAD_CALL;
     return open_writer(sim, directory, false, resume, out);
 }
 
 pdyn_status pdyn_writer_report(pdyn_writer *writer, const char *path, bool interrupted,
                                const char *failed) {
-    if (!writer) return PDYN_BAD_CALL;
+    if (HAS_NULL(writer)) return PDYN_BAD_CALL;
     return report_write(&writer->report, writer->sim,
                         path ? path : writer_path(writer, REPORT_FILE), interrupted, failed);
 }

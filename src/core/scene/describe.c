@@ -1,4 +1,5 @@
 /* pdyn_describe: constraints, solvers and boundary models as text for users. */
+#include "base/bad_call.h"
 #include "base/context.h"
 #include "base/registry.h"
 #include "base/text.h"
@@ -157,7 +158,8 @@ static pdyn_status fail_unknown(pdyn_context *context, const char *name) {
 
 pdyn_status pdyn_describe(pdyn_context *context, const char *name,
                           void (*write)(void *user, const char *text), void *user) {
-    if (!context || !write) return PDYN_BAD_CALL;
+    if (HAS_NULL(context)) return PDYN_BAD_CALL;
+    if (!write) return bad_call(__func__, "write is NULL");
     const struct sink to = {write, user};
     const pdyn_constraint_type *constraint = name ? registry_constraint(context, name) : NULL;
     const pdyn_global_solver *solver = name ? registry_solver(context, name) : NULL;

@@ -174,7 +174,7 @@ pdyn_status json_expected(const struct json_at *at, const char *what) {
 pdyn_status json_wrap(const struct json_at *at, pdyn_status status) {
     char text[CONTEXT_ERROR];
     if (status == PDYN_OK || status == PDYN_NO_MEMORY) return status;
-    text_clip(text, sizeof text, context_error());
+    text_clip(text, sizeof text, pdyn_last_error(NULL));
     json_fail(at, "%s", text);
     return status;
 }

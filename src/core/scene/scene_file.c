@@ -3,6 +3,7 @@
 #include "scene_file.h"
 
 #include "array_file.h"
+#include "base/bad_call.h"
 #include "base/file_out.h"
 #include "base/text.h"
 
@@ -25,8 +26,6 @@ static pdyn_status open_file(pdyn_context *context, const char *name, bool on_di
 
 static pdyn_status open_scene(pdyn_context *context, const char *name, bool on_disk,
                               const char *text, pdyn_scene **out) {
-    if (out) *out = NULL;
-    if (!context || !name || !out) return PDYN_BAD_CALL;
     pdyn_scene *scene = NEW_ARRAY(context, 1, pdyn_scene);
     if (!scene) return PDYN_NO_MEMORY;
     pdyn_status status = open_file(context, name, on_disk, text, &scene->json);
@@ -36,17 +35,22 @@ static pdyn_status open_scene(pdyn_context *context, const char *name, bool on_d
 }
 
 pdyn_status pdyn_scene_create(pdyn_context *context, const char *name, pdyn_scene **out) {
+    if (out) *out = NULL;
+    if (HAS_NULL(context, name, out)) return PDYN_BAD_CALL;
     return open_scene(context, name, false, NULL, out);
 }
 
 pdyn_status pdyn_scene_open(pdyn_context *context, const char *path, pdyn_scene **out) {
+    if (out) *out = NULL;
+    if (HAS_NULL(context, path, out)) return PDYN_BAD_CALL;
     return open_scene(context, path, true, NULL, out);
 }
 
 pdyn_status pdyn_scene_parse(pdyn_context *context, const char *text, const char *name,
                              pdyn_scene **out) {
     if (out) *out = NULL;
-    return text ? open_scene(context, name, false, text, out) : PDYN_BAD_CALL;
+    if (HAS_NULL(context, text, name, out)) return PDYN_BAD_CALL;
+    return open_scene(context, name, false, text, out);
 }
 
 void pdyn_scene_free(pdyn_scene *scene) {
@@ -80,7 +84,7 @@ static pdyn_status set(pdyn_scene *scene, const char *path, const char *value, v
 pdyn_status pdyn_scene_set(pdyn_scene *scene, const char *path, const char *value, ...) {
     struct text_locale locale;
     va_list args;
-    if (!scene || !path || !value) return PDYN_BAD_CALL;
+    if (HAS_NULL(scene, path, value)) return PDYN_BAD_CALL;
     if (!text_begin(&locale)) return context_no_memory(scene->json.context);
     va_start(args, value);
     pdyn_status status = set(scene, path, value, args);
@@ -89,12 +93,17 @@ pdyn_status pdyn_scene_set(pdyn_scene *scene, const char *path, const char *valu
     return status;
 }
 
+bool scene_bad_overrides(const char *function, const char *const *set, int count) {
+    if (call_bad_array(function, "set", set, count)) return true;
+    for (int k = 0; k < count; k++)
+        if (!set[k]) return bad_call(function, "set[%d] is NULL, count is %d", k, count), true;
+    return false;
+}
+
 pdyn_status pdyn_scene_override(pdyn_scene *scene, const char *const *set, int count) {
     struct text_locale locale;
     pdyn_status status = PDYN_OK;
-    if (!scene || count < 0 || (count && !set)) return PDYN_BAD_CALL;
-    for (int k = 0; k < count; k++)
-        if (!set[k]) return PDYN_BAD_CALL;
+    if (HAS_NULL(scene) || scene_bad_overrides(__func__, set, count)) return PDYN_BAD_CALL;
     if (!text_begin(&locale)) return context_no_memory(scene->json.context);
     for (int k = 0; k < count && status == PDYN_OK; k++)
         status = json_override(&scene->json, set[k]);
@@ -105,13 +114,12 @@ pdyn_status pdyn_scene_override(pdyn_scene *scene, const char *const *set, int c
 /* ---- arrays ---------------------------------------------------------------------------------- */
 
 static pdyn_status add(pdyn_scene *scene, const char *file, const struct array_file *arrays) {
-    if (!scene || !file || !arrays->x) return PDYN_BAD_CALL;
-    if (arrays->kind->corners && !arrays->corner) return PDYN_BAD_CALL;
     return array_file_add(scene->json.context, &scene->json.arrays, file, arrays);
 }
 
 pdyn_status pdyn_scene_mesh(pdyn_scene *scene, const char *file, int vertices, const double *vertex,
                             int triangles, const int *triangle) {
+    if (HAS_NULL(scene, file, vertex, triangle)) return PDYN_BAD_CALL;
     return add(scene, file,
                &(struct array_file){.kind = &array_surface,
                                     .points = vertices,
@@ -122,6 +130,7 @@ pdyn_status pdyn_scene_mesh(pdyn_scene *scene, const char *file, int vertices, c
 
 pdyn_status pdyn_scene_tets(pdyn_scene *scene, const char *file, int vertices, const double *vertex,
                             int tets, const int *tet) {
+    if (HAS_NULL(scene, file, vertex, tet)) return PDYN_BAD_CALL;
     return add(scene, file,
                &(struct array_file){.kind = &array_volume,
                                     .points = vertices,
@@ -132,6 +141,7 @@ pdyn_status pdyn_scene_tets(pdyn_scene *scene, const char *file, int vertices, c
 
 pdyn_status pdyn_scene_particles(pdyn_scene *scene, const char *file, int count, const double *x,
                                  const double *v) {
+    if (HAS_NULL(scene, file, x)) return PDYN_BAD_CALL;
     return add(scene, file,
                &(struct array_file){.kind = &array_particles, .points = count, .x = x, .v = v});
 }
@@ -154,7 +164,8 @@ static char *compose(const json_t *root) {
 pdyn_status pdyn_scene_text(pdyn_scene *scene, void (*write)(void *user, const char *text),
                             void *user) {
     struct text_locale locale;
-    if (!scene || !write) return PDYN_BAD_CALL;
+    if (HAS_NULL(scene)) return PDYN_BAD_CALL;
+    if (!write) return bad_call(__func__, "write is NULL");
     if (!text_begin(&locale)) return context_no_memory(scene->json.context);
     char *text = compose(scene->json.root);
     text_end(&locale);
@@ -169,7 +180,7 @@ static void print_text(void *user, const char *text) { file_out_print(user, "%s\
 pdyn_status pdyn_scene_write(pdyn_scene *scene, const char *path) {
     struct file_out out;
     pdyn_status status = PDYN_OK;
-    if (!scene || !path) return PDYN_BAD_CALL;
+    if (HAS_NULL(scene, path)) return PDYN_BAD_CALL;
     pdyn_context *context = scene->json.context;
     const char *slash = strrchr(path, '/');
     if (array_file_find(scene->json.arrays, slash ? slash + 1 : path))

@@ -9,4 +9,7 @@ struct pdyn_scene {
     struct json_file json; /* with the arrays that stand for files */
 };
 
+/* Whether an override or the array is NULL, or count < 0: a bad call of the function. */
+bool scene_bad_overrides(const char *function, const char *const *set, int count);
+
 #endif

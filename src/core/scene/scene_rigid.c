@@ -42,7 +42,7 @@ static pdyn_status check_mesh(struct reader *r, const struct mesh *mesh) {
     if (status != PDYN_OK) return status;
     status = check_surface(r, mesh);
     if (status != PDYN_BAD_INPUT) return status;
-    snprintf(what, sizeof what, "%s", context_error());
+    snprintf(what, sizeof what, "%s", pdyn_last_error(NULL));
     return context_fail(r->context, status, "%s; \"cell\" makes a surface without such faults",
                         what);
 }

@@ -1,6 +1,7 @@
 /* Construction of a simulation from a scene, part by part (build.h), and its end. */
 #include "build.h"
 
+#include "base/bad_call.h"
 #include "carried.h"
 #include "contact/contact.h"
 #include "crossings.h"
@@ -54,7 +55,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
 
 pdyn_status pdyn_scene_load(pdyn_scene *scene, pdyn_sim **out) {
     if (out) *out = NULL;
-    if (!scene || !out) return PDYN_BAD_CALL;
+    if (HAS_NULL(scene, out)) return PDYN_BAD_CALL;
     pdyn_context *context = scene->json.context;
     struct pdyn_sim *sim = NEW_ARRAY(context, 1, struct pdyn_sim);
     if (!sim) return PDYN_NO_MEMORY;

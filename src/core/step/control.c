@@ -1,5 +1,6 @@
 #include "control.h"
 
+#include "base/bad_call.h"
 #include "contact/contact.h"
 #include "crossings.h"
 #include "extent.h"
@@ -16,16 +17,9 @@
 #include <math.h>
 #include <string.h>
 
-pdyn_status control_check(const struct pdyn_sim *sim) {
-    if (!sim) return PDYN_BAD_CALL;
-    if (sim->failed)
-        return context_fail(sim->context, PDYN_BAD_CALL,
-                            "the simulation has failed before: nothing can be changed");
-    return PDYN_OK;
-}
-
-bool control_has_particles(const struct pdyn_sim *sim, int first, int count) {
-    return sim && first >= 0 && count >= 0 && first <= sim->objective.particles - count;
+bool control_has_failed(const char *function, const struct pdyn_sim *sim) {
+    if (sim->failed) bad_call(function, "the simulation has failed before: restore a state first");
+    return sim->failed;
 }
 
 /* ---- batches and solvers after a change ------------------------------------------------------ */
@@ -80,9 +74,10 @@ void control_free(struct pdyn_sim *sim) {
 
 /* ---- forces ---------------------------------------------------------------------------------- */
 
-static pdyn_status check_numbers(struct pdyn_sim *sim, const double *number, size_t count,
+/* number: count x 3; NULL: none. */
+static pdyn_status check_numbers(struct pdyn_sim *sim, const double *number, int count,
                                  double limit, const char *what, const char *unit) {
-    for (size_t k = 0; k < count; k++)
+    for (size_t k = 0; number && k < 3 * (size_t)count; k++)
         if (!(fabs(number[k]) <= limit)) /* or NaN */
             return context_fail(sim->context, PDYN_BAD_INPUT,
                                 "number %zu: expected %s of at most %g %s, found %g", k, what,
@@ -90,18 +85,18 @@ static pdyn_status check_numbers(struct pdyn_sim *sim, const double *number, siz
     return PDYN_OK;
 }
 
-/* The arguments of a call that changes a vector of the particles. */
-static pdyn_status begin_vectors(struct pdyn_sim *sim, int first, int count, const double *number,
-                                 double limit, const char *what, const char *unit) {
-    if (!control_has_particles(sim, first, count)) return PDYN_BAD_CALL;
-    pdyn_status status = control_check(sim);
-    if (status != PDYN_OK || !number) return status;
-    return check_numbers(sim, number, 3 * (size_t)count, limit, what, unit);
+/* Whether the simulation has failed, or lacks some of the particles from `first`. */
+static bool bad_range(const char *function, const pdyn_sim *sim, int first, int count) {
+    int particles = sim->objective.particles;
+    if (control_has_failed(function, sim)) return true;
+    if (first >= 0 && count >= 0 && first <= particles - count) return false;
+    bad_call(function, "first %d, count %d: there are %d particles", first, count, particles);
+    return true;
 }
 
 static pdyn_status change_forces(struct pdyn_sim *sim, int first, int count, const double *force,
                                  double keep) {
-    pdyn_status status = begin_vectors(sim, first, count, force, 1e15, "a force", "N");
+    pdyn_status status = check_numbers(sim, force, count, 1e15, "a force", "N");
     if (status != PDYN_OK || (!force && !sim->control.force)) return status;
     double **all = &sim->control.force;
     if (!*all && !(*all = NEW_VECTOR(sim->context, sim->objective.particles)))
@@ -114,11 +109,13 @@ static pdyn_status change_forces(struct pdyn_sim *sim, int first, int count, con
 }
 
 pdyn_status pdyn_set_forces(pdyn_sim *sim, int first, int count, const double *force) {
+    if (HAS_NULL(sim) || bad_range(__func__, sim, first, count)) return PDYN_BAD_CALL;
     return change_forces(sim, first, count, force, 0.0);
 }
 
 pdyn_status pdyn_add_forces(pdyn_sim *sim, int first, int count, const double *force) {
-    return force ? change_forces(sim, first, count, force, 1.0) : PDYN_BAD_CALL;
+    if (HAS_NULL(sim, force) || bad_range(__func__, sim, first, count)) return PDYN_BAD_CALL;
+    return change_forces(sim, first, count, force, 1.0);
 }
 
 void control_set_gravity(struct pdyn_sim *sim, const double gravity[3]) {
@@ -128,9 +125,8 @@ void control_set_gravity(struct pdyn_sim *sim, const double gravity[3]) {
 }
 
 pdyn_status pdyn_set_gravity(pdyn_sim *sim, const double gravity[3]) {
-    if (!gravity) return PDYN_BAD_CALL;
-    pdyn_status status = control_check(sim);
-    if (status == PDYN_OK) status = check_numbers(sim, gravity, 3, 1e6, "an acceleration", "m/s^2");
+    if (HAS_NULL(sim, gravity) || control_has_failed(__func__, sim)) return PDYN_BAD_CALL;
+    pdyn_status status = check_numbers(sim, gravity, 1, 1e6, "an acceleration", "m/s^2");
     if (status != PDYN_OK) return status;
     sim->control.driven = true;
     sim->scene.settings.gravity_keys.replaced = true;
@@ -173,9 +169,8 @@ static pdyn_status place(struct pdyn_sim *sim, int first, int count, const doubl
 }
 
 pdyn_status pdyn_set_positions(pdyn_sim *sim, int first, int count, const double *x) {
-    if (!x) return PDYN_BAD_CALL;
-    pdyn_status status =
-        begin_vectors(sim, first, count, x, SCENE_MAX_POSITION, "a coordinate", "m");
+    if (HAS_NULL(sim, x) || bad_range(__func__, sim, first, count)) return PDYN_BAD_CALL;
+    pdyn_status status = check_numbers(sim, x, count, SCENE_MAX_POSITION, "a coordinate", "m");
     if (status == PDYN_OK) status = rigid_fit_check(sim, first, count);
     if (status != PDYN_OK) return status;
     double *before = NEW_VECTOR(sim->context, sim->objective.particles);
@@ -191,8 +186,8 @@ pdyn_status pdyn_set_positions(pdyn_sim *sim, int first, int count, const double
 }
 
 pdyn_status pdyn_set_velocities(pdyn_sim *sim, int first, int count, const double *v) {
-    if (!v) return PDYN_BAD_CALL;
-    pdyn_status status = begin_vectors(sim, first, count, v, STEP_MAX_SPEED, "a velocity", "m/s");
+    if (HAS_NULL(sim, v) || bad_range(__func__, sim, first, count)) return PDYN_BAD_CALL;
+    pdyn_status status = check_numbers(sim, v, count, STEP_MAX_SPEED, "a velocity", "m/s");
     if (status == PDYN_OK) status = rigid_fit_check(sim, first, count);
     if (status != PDYN_OK) return status;
     copy_live(sim, first, count, v, sim->v);

@@ -18,10 +18,8 @@ struct control {
     int batches;              /* number of these */
 };
 
-/* PDYN_BAD_CALL: there is no simulation, or it has failed. */
-pdyn_status control_check(const struct pdyn_sim *sim);
-/* Whether the simulation has the particles from `first`. */
-bool control_has_particles(const struct pdyn_sim *sim, int first, int count);
+/* Whether the simulation has failed: a bad call of the function. */
+bool control_has_failed(const char *function, const struct pdyn_sim *sim);
 
 /* After changes of constraints: makes the batches of holds and the linear solvers anew. After a
  * failure the simulation takes no further step. */

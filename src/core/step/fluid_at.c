@@ -8,6 +8,7 @@
  * along which the particles do not extend the mean is taken. */
 #include "fluid_at.h"
 
+#include "base/bad_call.h"
 #include "live_particles.h"
 
 #include "projdyn/probe.h"
@@ -112,7 +113,7 @@ double fluid_at_height(const struct pdyn_sim *sim, const double *at) {
 
 pdyn_status pdyn_fluid_at(const pdyn_sim *sim, int count, const double *x, double *pressure,
                           double *velocity) {
-    if (!sim || count < 0 || (count && !x)) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim) || BAD_ARRAY(x, count)) return PDYN_BAD_CALL;
     for (int k = 0; k < 3 * count; k++)
         if (!isfinite(x[k]))
             return context_fail(sim->context, PDYN_BAD_INPUT,

@@ -8,6 +8,7 @@
  * (docs/theory/time-integration.md). */
 #include "forces.h"
 
+#include "base/bad_call.h"
 #include "contact/contact.h"
 #include "sim.h"
 
@@ -198,7 +199,7 @@ void forces_pass_on(struct pdyn_sim *sim) {
 /* ---- public functions ------------------------------------------------------------------------ */
 
 pdyn_status pdyn_constraint_forces(const pdyn_sim *sim, int constraint, double *force) {
-    if (!sim_has_constraint(sim, constraint) || !force) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, force) || BAD_INDEX(constraint, sim->constraints)) return PDYN_BAD_CALL;
     sum_forces(sim, batch_belongs_to, sim->objective.batch[constraint], force);
     return PDYN_OK;
 }
@@ -206,14 +207,15 @@ pdyn_status pdyn_constraint_forces(const pdyn_sim *sim, int constraint, double *
 pdyn_status pdyn_constraint_load(const pdyn_sim *sim, int constraint, double force[3],
                                  double moment[3]) {
     struct load load = {{0}, {0}};
-    if (!sim_has_constraint(sim, constraint) || !force || !moment) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, force, moment) || BAD_INDEX(constraint, sim->constraints))
+        return PDYN_BAD_CALL;
     forces_add_load(sim, constraint, &load);
     load_copy(&load, force, moment);
     return PDYN_OK;
 }
 
 pdyn_status pdyn_contact_forces(const pdyn_sim *sim, double *force) {
-    if (!sim || !force) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, force)) return PDYN_BAD_CALL;
     sum_forces(sim, is_of_contact, NULL, force);
     return PDYN_OK;
 }
@@ -245,7 +247,7 @@ static struct element operator_element(const pdyn_sim *sim, const struct batch *
 
 pdyn_status pdyn_element_values(const pdyn_sim *sim, int constraint, double *energy,
                                 double *distance) {
-    if (!sim_has_constraint(sim, constraint)) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim) || BAD_INDEX(constraint, sim->constraints)) return PDYN_BAD_CALL;
     const struct batch *b = sim->objective.batch[constraint];
     for (int e = 0; e < b->view.elements; e++) {
         struct element value = {0};

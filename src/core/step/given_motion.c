@@ -47,8 +47,7 @@ static pdyn_status resize_keys(struct pdyn_sim *sim, struct scene_motion *motion
 
 pdyn_status given_motion(struct pdyn_sim *sim, struct scene_motion *motion, const char *what,
                          const struct scene_key *to) {
-    pdyn_status status = control_check(sim);
-    if (status == PDYN_OK) status = check(sim, motion, what, to);
+    pdyn_status status = check(sim, motion, what, to);
     if (status != PDYN_OK) return status;
     struct scene_key from = given_motion_at(motion, sim->time);
     status = resize_keys(sim, motion, 2);

@@ -60,12 +60,19 @@ static void move_to_minimum(struct pdyn_sim *sim, const struct round *at) {
     objective_axpy(objective, -1.0, at->Hd, at->b);
 }
 
+static pdyn_status solve(struct pdyn_sim *sim, double *b, double *y, const pdyn_stop *stop,
+                         int *iterations) {
+    unsigned errors = context_errors();
+    pdyn_status status = sim->solver->solve(sim->solver_state, b, y, stop, iterations);
+    return context_module(sim->solver->name, status, errors);
+}
+
 static pdyn_status solve_linear(struct pdyn_sim *sim, const struct round *at, const pdyn_stop *stop,
                                 int *iterations) {
     int done = 0;
     memcpy(at->Hd, at->b, objective_bytes(&sim->objective));
     memset(at->d, 0, objective_bytes(&sim->objective));
-    pdyn_status status = sim->solver->solve(sim->solver_state, at->Hd, at->d, stop, &done);
+    pdyn_status status = solve(sim, at->Hd, at->d, stop, &done);
     if (sim->objective.rigid) rigid_map_extend(sim->objective.rigid, at->d);
     *iterations += done;
     return status;
@@ -107,9 +114,7 @@ pdyn_status global_step(struct pdyn_sim *sim, double eps, bool first_of_step, in
     memset(sim->direction, 0, objective_bytes(&sim->objective));
     for (int k = 0; k < 3 * sim->objective.particles; k++) sim->rhs[k] = -sim->gradient[k];
     if (has_rounds(sim->solver)) status = solve_rounds(sim, &stop, &iterations);
-    else
-        status =
-            sim->solver->solve(sim->solver_state, sim->rhs, sim->direction, &stop, &iterations);
+    else status = solve(sim, sim->rhs, sim->direction, &stop, &iterations);
     if (sim->objective.rigid) rigid_map_extend(sim->objective.rigid, sim->direction);
     *linear += iterations;
     return status;

@@ -1,5 +1,6 @@
 #include "hold.h"
 
+#include "base/bad_call.h"
 #include "live_particles.h"
 #include "sim.h"
 
@@ -154,9 +155,6 @@ void holds_free(struct pdyn_sim *sim) {
 
 static pdyn_status check_hold(struct pdyn_sim *sim, int particle, double stiffness,
                               const double *target) {
-    if (!control_has_particles(sim, particle, 1) || !target) return PDYN_BAD_CALL;
-    pdyn_status status = control_check(sim);
-    if (status != PDYN_OK) return status;
     if (!particle_is_live(sim, particle))
         return context_fail(sim->context, PDYN_BAD_INPUT, "particle %d is not in the scene",
                             particle);
@@ -177,6 +175,9 @@ static pdyn_status check_hold(struct pdyn_sim *sim, int particle, double stiffne
 }
 
 pdyn_status pdyn_hold(pdyn_sim *sim, int particle, double stiffness, const double target[3]) {
+    if (HAS_NULL(sim, target) || BAD_INDEX(particle, sim->objective.particles) ||
+        control_has_failed(__func__, sim))
+        return PDYN_BAD_CALL;
     pdyn_status status = check_hold(sim, particle, stiffness, target);
     if (status != PDYN_OK) return status;
     struct hold *h = find_hold(sim, particle);
@@ -196,10 +197,11 @@ void holds_leave(struct pdyn_sim *sim, int particle) {
 }
 
 pdyn_status pdyn_release(pdyn_sim *sim, int particle) {
-    if (!control_has_particles(sim, particle, 1)) return PDYN_BAD_CALL;
-    pdyn_status status = control_check(sim);
-    if (status == PDYN_OK) holds_leave(sim, particle);
-    return status;
+    if (HAS_NULL(sim) || BAD_INDEX(particle, sim->objective.particles) ||
+        control_has_failed(__func__, sim))
+        return PDYN_BAD_CALL;
+    holds_leave(sim, particle);
+    return PDYN_OK;
 }
 
 /* ---- saved states ---------------------------------------------------------------------------- */

@@ -1,5 +1,6 @@
 #include "inlet_control.h"
 
+#include "base/bad_call.h"
 #include "given_motion.h"
 #include "live_particles.h"
 #include "scene/inlet_motion.h"
@@ -24,9 +25,17 @@ static struct name name_of(const struct pdyn_sim *sim, int body, int inlet) {
     return name;
 }
 
+/* Whether the simulation has failed, or there is no such inlet. */
+static bool bad_inlet(const char *function, const pdyn_sim *sim, int body, int inlet) {
+    return control_has_failed(function, sim) ||
+           call_bad_index(function, "body", body, sim->bodies) ||
+           call_bad_index(function, "inlet", inlet, pdyn_inlets(sim, body));
+}
+
 pdyn_status pdyn_move_inlet(pdyn_sim *sim, int body, int inlet, double time,
                             const double translate[3], const double rotate[3]) {
-    if (inlet < 0 || inlet >= pdyn_inlets(sim, body) || !translate || !rotate) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, translate, rotate) || bad_inlet(__func__, sim, body, inlet))
+        return PDYN_BAD_CALL;
     struct scene_key to = given_key(time, translate, rotate);
     return given_motion(sim, &sim->scene.body[body].inlet[inlet].motion,
                         name_of(sim, body, inlet).text, &to);
@@ -36,8 +45,6 @@ pdyn_status pdyn_move_inlet(pdyn_sim *sim, int body, int inlet, double time,
 
 static pdyn_status check_speed(struct pdyn_sim *sim, const struct scene_inlet *inlet,
                                const char *what, double time, double speed) {
-    pdyn_status status = control_check(sim);
-    if (status != PDYN_OK) return status;
     if (!(speed >= 0.0 && speed <= INLET_MAX_SPEED))
         return context_fail(sim->context, PDYN_BAD_INPUT,
                             "%s: expected a speed from 0 to %g m/s, found %g", what,
@@ -52,7 +59,7 @@ static pdyn_status check_speed(struct pdyn_sim *sim, const struct scene_inlet *i
 }
 
 pdyn_status pdyn_set_inlet_speed(pdyn_sim *sim, int body, int inlet, double time, double speed) {
-    if (inlet < 0 || inlet >= pdyn_inlets(sim, body)) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim) || bad_inlet(__func__, sim, body, inlet)) return PDYN_BAD_CALL;
     struct scene_inlet *set = &sim->scene.body[body].inlet[inlet];
     pdyn_status status = check_speed(sim, set, name_of(sim, body, inlet).text, time, speed);
     bool later = time > sim->time;

@@ -1,6 +1,7 @@
 /* Solids with prescribed motion: boundary points, motion and speed. */
 #include "kinematic_solids.h"
 
+#include "base/bad_call.h"
 #include "given_motion.h"
 #include "scene/poses.h"
 #include "sim.h"
@@ -113,7 +114,9 @@ double kinematic_top_speed(const struct pdyn_sim *sim) {
 pdyn_status pdyn_move_solid(pdyn_sim *sim, int solid, double time, const double translate[3],
                             const double rotate[3]) {
     char what[128];
-    if (!pdyn_solid_name(sim, solid) || !translate || !rotate) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, translate, rotate) || BAD_INDEX(solid, sim->scene.solids) ||
+        control_has_failed(__func__, sim))
+        return PDYN_BAD_CALL;
     snprintf(what, sizeof what, "solid \"%s\"", sim->scene.solid[solid].name);
     struct scene_key to = given_key(time, translate, rotate);
     pdyn_status status = given_motion(sim, &sim->scene.solid[solid].motion, what, &to);
@@ -123,7 +126,8 @@ pdyn_status pdyn_move_solid(pdyn_sim *sim, int solid, double time, const double 
 
 pdyn_status pdyn_solid_pose(const pdyn_sim *sim, int solid, double translate[3], double rotate[3]) {
     struct scene_key now = {0};
-    if (!pdyn_solid_name(sim, solid) || !translate || !rotate) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, translate, rotate) || BAD_INDEX(solid, sim->scene.solids))
+        return PDYN_BAD_CALL;
     const struct scene_motion *motion = &sim->scene.solid[solid].motion;
     if (motion->keys) now = given_motion_at(motion, sim->time);
     memcpy(translate, now.translate, sizeof now.translate);

@@ -1,15 +1,6 @@
 /* pdyn_load and pdyn_load_text: scenes of programs that change nothing but values. */
-#include "projdyn/scene.h"
-
-/* Sets *out to NULL; false: PDYN_BAD_CALL. */
-static bool begin(const char *const *set, int count, pdyn_sim **out) {
-    if (!out) return false;
-    *out = NULL;
-    if (count < 0 || (count && !set)) return false;
-    for (int k = 0; k < count; k++)
-        if (!set[k]) return false;
-    return true;
-}
+#include "base/bad_call.h"
+#include "scene/scene_file.h"
 
 /* Applies the overrides to a scene that was opened with `status`, loads it and frees it. */
 static pdyn_status finish(pdyn_status status, pdyn_scene *scene, const char *const *set, int count,
@@ -23,7 +14,9 @@ static pdyn_status finish(pdyn_status status, pdyn_scene *scene, const char *con
 pdyn_status pdyn_load(pdyn_context *context, const char *path, const char *const *set, int count,
                       pdyn_sim **out) {
     pdyn_scene *scene = NULL;
-    if (!begin(set, count, out)) return PDYN_BAD_CALL;
+    if (out) *out = NULL;
+    if (HAS_NULL(context, path, out) || scene_bad_overrides(__func__, set, count))
+        return PDYN_BAD_CALL;
     pdyn_status status = pdyn_scene_open(context, path, &scene);
     return finish(status, scene, set, count, out);
 }
@@ -31,7 +24,9 @@ pdyn_status pdyn_load(pdyn_context *context, const char *path, const char *const
 pdyn_status pdyn_load_text(pdyn_context *context, const char *text, const char *name,
                            const char *const *set, int count, pdyn_sim **out) {
     pdyn_scene *scene = NULL;
-    if (!begin(set, count, out)) return PDYN_BAD_CALL;
+    if (out) *out = NULL;
+    if (HAS_NULL(context, text, name, out) || scene_bad_overrides(__func__, set, count))
+        return PDYN_BAD_CALL;
     pdyn_status status = pdyn_scene_parse(context, text, name, &scene);
     return finish(status, scene, set, count, out);
 }

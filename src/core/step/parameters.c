@@ -1,5 +1,6 @@
 #include "parameters.h"
 
+#include "base/bad_call.h"
 #include "base/text.h"
 #include "forces.h"
 #include "scene/keyed.h"
@@ -179,16 +180,16 @@ pdyn_status parameters_follow(struct pdyn_sim *sim, int constraint, const pdyn_p
 
 pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name, const double *value,
                                int count) {
-    if (!sim_has_constraint(sim, constraint) || !name || !value) return PDYN_BAD_CALL;
-    pdyn_status status = control_check(sim);
-    if (status != PDYN_OK) return status;
+    if (HAS_NULL(sim, name, value) || BAD_INDEX(constraint, sim->constraints) ||
+        control_has_failed(__func__, sim))
+        return PDYN_BAD_CALL;
     struct batch *b = sim->objective.batch[constraint];
     const pdyn_param *p = b->type->params;
     while (p->name && (strcmp(p->name, name) != 0 || !param_is_changeable(b->type, p))) p++;
     if (!p->name) return fail_unknown(b, name);
-    status = p->kind == PDYN_PATH ? check_path(b, p, value, count)
-             : param_is_table(p)  ? check_table(b, p, value, count)
-                                  : check_value(b, p, value, count);
+    pdyn_status status = p->kind == PDYN_PATH ? check_path(b, p, value, count)
+                         : param_is_table(p)  ? check_table(b, p, value, count)
+                                              : check_value(b, p, value, count);
     if (status != PDYN_OK) return status;
     sim->control.driven = true;
     schedule_replace(sim, constraint, p);
@@ -196,10 +197,11 @@ pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name, 
 }
 
 pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled) {
-    if (!sim_has_constraint(sim, constraint)) return PDYN_BAD_CALL;
-    pdyn_status status = control_check(sim);
+    if (HAS_NULL(sim) || BAD_INDEX(constraint, sim->constraints) ||
+        control_has_failed(__func__, sim))
+        return PDYN_BAD_CALL;
     const struct batch *b = sim->objective.batch[constraint];
-    if (status != PDYN_OK || b->off == !enabled) return status;
+    if (b->off == !enabled) return PDYN_OK;
     if (b->op)
         return context_fail(b->context, PDYN_BAD_INPUT,
                             "constraint \"%s\" on body \"%s\" is matrix-free and cannot be "

@@ -55,7 +55,7 @@ static pdyn_status try_keys(struct pdyn_sim *sim, int k, const struct scene_keye
     for (; key < end && status == PDYN_OK; key += 4)
         status = parameters_follow(sim, k, keyed->param, key + 1);
     if (status != PDYN_BAD_INPUT) return status;
-    text_clip(text, sizeof text, context_error());
+    text_clip(text, sizeof text, pdyn_last_error(NULL));
     return context_fail(sim->context, status, "%s: key at %.10g s: %s", sim->scene.file, key[-4],
                         text);
 }

@@ -1,6 +1,7 @@
 /* Loads on solids: sums of the forces of operators and contact pairs. */
 #include "solid_load.h"
 
+#include "base/bad_call.h"
 #include "contact/contact.h"
 #include "forces.h"
 #include "sim.h"
@@ -165,27 +166,32 @@ const char *pdyn_solid_name(const pdyn_sim *sim, int solid) {
     return sim && solid >= 0 && solid < sim->scene.solids ? sim->scene.solid[solid].name : NULL;
 }
 
-static bool is_source(pdyn_load_source source) {
-    return (int)source >= 0 && (int)source < LOAD_SOURCES;
+static void copy_solid_load(const pdyn_sim *sim, int solid, pdyn_load_source source,
+                            double force[3], double moment[3]) {
+    static const struct load none;
+    const struct load *loads = solid_load_compute(sim, source);
+    load_copy(loads ? loads + solid : &none, force, moment);
 }
 
 pdyn_status pdyn_solid_load_by(const pdyn_sim *sim, int solid, pdyn_load_source source,
                                double force[3], double moment[3]) {
-    static const struct load none;
-    if (!sim || !force || !moment || !pdyn_solid_name(sim, solid) || !is_source(source))
+    if (HAS_NULL(sim, force, moment) || BAD_INDEX(solid, sim->scene.solids) ||
+        BAD_INDEX(source, LOAD_SOURCES))
         return PDYN_BAD_CALL;
-    const struct load *loads = solid_load_compute(sim, source);
-    load_copy(loads ? loads + solid : &none, force, moment);
+    copy_solid_load(sim, solid, source, force, moment);
     return PDYN_OK;
 }
 
 pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double force[3], double moment[3]) {
-    return pdyn_solid_load_by(sim, solid, PDYN_LOAD_ALL, force, moment);
+    if (HAS_NULL(sim, force, moment) || BAD_INDEX(solid, sim->scene.solids)) return PDYN_BAD_CALL;
+    copy_solid_load(sim, solid, PDYN_LOAD_ALL, force, moment);
+    return PDYN_OK;
 }
 
 pdyn_status pdyn_body_load_by(const pdyn_sim *sim, int body, pdyn_load_source source,
                               double force[3], double moment[3]) {
-    if (!sim || !force || !moment || body < 0 || body >= sim->bodies || !is_source(source))
+    if (HAS_NULL(sim, force, moment) || BAD_INDEX(body, sim->bodies) ||
+        BAD_INDEX(source, LOAD_SOURCES))
         return PDYN_BAD_CALL;
     forces_sum(sim, source, sim->trial);
     struct load load = forces_load_on(sim, body, sim->trial);

@@ -104,8 +104,8 @@ static pdyn_status create_slot(struct pdyn_sim *sim, const pdyn_global_solver *s
     slot->solver = solver;
     slot->state = context_array(sim->context, 1, solver->state_size);
     if (!slot->state) return PDYN_NO_MEMORY;
-    pdyn_status status = solver->create(slot->state, &sim->model.model);
-    return status == PDYN_NO_MEMORY ? context_no_memory(sim->context) : status;
+    unsigned errors = context_errors();
+    return context_module(solver->name, solver->create(slot->state, &sim->model.model), errors);
 }
 
 pdyn_status solver_choice_create(struct pdyn_sim *sim) {
@@ -228,6 +228,9 @@ void solver_choice_persist(struct pdyn_sim *sim, struct snapshot_file *file) {
     if (file->view.reading && file->status == PDYN_OK) activate(sim, (int)active);
     for (int k = 0; k < c->count && file->status == PDYN_OK; k++) {
         const pdyn_global_solver *solver = c->slot[k].solver;
-        if (solver->persist) file->status = solver->persist(c->slot[k].state, &file->view);
+        unsigned errors = context_errors();
+        if (solver->persist)
+            file->status = context_module(solver->name,
+                                          solver->persist(c->slot[k].state, &file->view), errors);
     }
 }

@@ -10,6 +10,7 @@
  *
  * A step that diverges is attempted again, shorter. */
 #include "applied_force.h"
+#include "base/bad_call.h"
 #include "base/clock.h"
 #include "base/sized.h"
 #include "carried.h"
@@ -147,7 +148,7 @@ static pdyn_status take_back(struct pdyn_sim *sim) {
  * error stays the one of the attempt; of a divergence it also says which step. */
 static pdyn_status fail_step(struct pdyn_sim *sim, double h, pdyn_status status) {
     char what[512];
-    snprintf(what, sizeof what, "%s", context_error());
+    snprintf(what, sizeof what, "%s", pdyn_last_error(NULL));
     take_back(sim);
     if (status != PDYN_DIVERGED) return context_fail(sim->context, status, "%s", what);
     return context_fail(sim->context, PDYN_DIVERGED,
@@ -264,10 +265,6 @@ static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_inf
 /* h: s, as the caller gives it; 0: as the scene says. */
 static pdyn_status step_by(struct pdyn_sim *sim, double h, pdyn_step_info *info, size_t size) {
     pdyn_step_info result = {0};
-    if (!sim) return PDYN_BAD_CALL;
-    if (sim->failed)
-        return context_fail(sim->context, PDYN_BAD_CALL,
-                            "the simulation has failed before: no further step");
     pool_check_process(sim->context->pool);
     pdyn_status status = schedule_switch(sim);
     if (status == PDYN_OK) status = control_settle(sim);
@@ -280,11 +277,12 @@ static pdyn_status step_by(struct pdyn_sim *sim, double h, pdyn_step_info *info,
 }
 
 pdyn_status pdyn_step_sized(pdyn_sim *sim, pdyn_step_info *info, size_t size) {
+    if (HAS_NULL(sim) || control_has_failed(__func__, sim)) return PDYN_BAD_CALL;
     return step_by(sim, 0.0, info, size);
 }
 
 pdyn_status pdyn_step_by_sized(pdyn_sim *sim, double h, pdyn_step_info *info, size_t size) {
-    if (!sim) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim) || control_has_failed(__func__, sim)) return PDYN_BAD_CALL;
     if (!(h >= TIMESTEP_SHORTEST && h <= TIMESTEP_LONGEST))
         return context_fail(sim->context, PDYN_BAD_INPUT,
                             "expected a step from %g to %g s, found %g s", TIMESTEP_SHORTEST,
