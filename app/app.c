@@ -125,14 +125,9 @@ void clear_progress(void) {
     if (isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
 }
 
-const char *status_message(const pdyn_context *context, pdyn_status status) {
-    const char *error = pdyn_last_error(context);
-    return *error ? error : pdyn_status_text(status);
-}
-
 int report_status(const pdyn_context *context, pdyn_status status) {
     clear_progress();
-    fprintf(stderr, "projdyn: %s\n", status_message(context, status));
+    fprintf(stderr, "projdyn: %s\n", pdyn_last_error(context));
     return status == PDYN_BAD_INPUT || status == PDYN_BAD_CALL ? EXIT_BAD_INPUT : EXIT_FAILED;
 }
 

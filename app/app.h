@@ -65,10 +65,7 @@ long usable_cores(void);
  * to stderr. */
 void clear_progress(void);
 
-/* Error text of the context, or the general text of the status if the context has none. */
-const char *status_message(const pdyn_context *context, pdyn_status status);
-
-/* Prints status_message() to stderr. Returns EXIT_BAD_INPUT for PDYN_BAD_INPUT and
+/* Prints pdyn_last_error() to stderr. Returns EXIT_BAD_INPUT for PDYN_BAD_INPUT and
  * PDYN_BAD_CALL, EXIT_FAILED for every other status. */
 int report_status(const pdyn_context *context, pdyn_status status);
 

@@ -245,7 +245,7 @@ static int close_output(pdyn_context *context, pdyn_writer *writer, const struct
                         pdyn_status status, bool interrupted) {
     int code = status == PDYN_OK ? EXIT_GOOD : report_status(context, status);
     char failure[2048]; /* a copy, because pdyn_writer_report() may replace the context's message */
-    snprintf(failure, sizeof failure, "%s", status_message(context, status));
+    snprintf(failure, sizeof failure, "%s", pdyn_last_error(context));
     pdyn_status written =
         pdyn_writer_report(writer, o->report, interrupted, status == PDYN_OK ? NULL : failure);
     if (written != PDYN_OK) code = report_status(context, written);

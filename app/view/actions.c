@@ -19,7 +19,7 @@
 
 static void check(struct live *live, pdyn_status status) {
     live->stale = true;
-    if (status != PDYN_OK) live_note(live, true, "%s", status_message(live->context, status));
+    if (status != PDYN_OK) live_note(live, true, "%s", pdyn_last_error(live->context));
 }
 
 /* ---- the simulation -------------------------------------------------------------------------- */

@@ -42,7 +42,7 @@ void live_restart(struct live *live) {
     pdyn_sim *sim;
     pdyn_status status = pdyn_load(live->context, scene->scene, scene->set, scene->sets, &sim);
     if (status != PDYN_OK) {
-        live_note(live, true, "%s", status_message(live->context, status));
+        live_note(live, true, "%s", pdyn_last_error(live->context));
         return;
     }
     pdyn_free(live->sim);
@@ -69,7 +69,7 @@ void live_step(struct live *live) {
     }
     live->failed = true;
     live->running = false;
-    live_note(live, true, "%s", status_message(live->context, status));
+    live_note(live, true, "%s", pdyn_last_error(live->context));
 }
 
 double live_due(struct live *live) {

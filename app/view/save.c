@@ -49,6 +49,6 @@ void save_run(struct live *live) {
     if (status == PDYN_OK)
         live_note(live, false, "saved to %s; to continue: projdyn run --resume %s%s --time %.4g",
                   path, path, plugins ? " --allow-plugins" : "", pdyn_time(live->sim) + 1.0);
-    else live_note(live, true, "%s: %s", path, status_message(live->context, status));
+    else live_note(live, true, "%s: %s", path, pdyn_last_error(live->context));
     free(path);
 }
