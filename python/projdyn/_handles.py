@@ -10,7 +10,7 @@ from typing import Any, Callable, NoReturn, Optional
 
 from ._library import lib
 from ._structs import Log, Options
-from .errors import BAD_CALL, Error, InputError, error_of, wrong_type
+from .errors import Error, InputError, error_of, wrong_type
 
 _logger = logging.getLogger("projdyn")
 _raised: list[BaseException] = []  # by messages of a call, raised at its end
@@ -29,6 +29,11 @@ def _free(free: Callable[[int], None], pointer: int, parent: Optional[Handle]) -
     free(pointer)
 
 
+def last_error() -> str:
+    """The text of the last call of this thread that failed."""
+    return lib.pdyn_last_error(None).decode()
+
+
 class Handle:
     """An object of the library and the object that must outlive it: a writer has a simulation, a
     simulation and a scene have a context. The garbage collector frees the children first, because
@@ -43,34 +48,16 @@ class Handle:
         self.finalize = weakref.finalize(self, _free, free, pointer, parent)
         self.finalize.atexit = False
 
-    @property
-    def context(self) -> int:
-        """The context at the root."""
-        return self.parent.context if self.parent else self.pointer
-
     def call(self, function: Callable[..., int], *arguments: Any) -> None:
         """Calls a function of this object that returns a status; raises Error unless it is 0."""
         if not self.finalize.alive:
             raise Error("the object is closed")
         with self.lock:
-            before = lib.pdyn_last_error(self.context)
             status = function(self.pointer, *arguments)
             if _raised:
                 raise _raised.pop()
             if status:
-                text = lib.pdyn_last_error(self.context)
-                if status == BAD_CALL and text == before:
-                    text = self._text_of(function, *arguments)
-                raise error_of(status, (text or lib.pdyn_status_text(status)).decode())
-
-    def _text_of(self, function: Callable[..., int], *arguments: Any) -> bytes:
-        """The text of a bad call, which changes nothing. It may set none and leave the text of an
-        error before: it is called again after an error with another text."""
-        lib.pdyn_scene_open(self.context, b"", byref(c_void_p()))
-        other = lib.pdyn_last_error(self.context)
-        function(self.pointer, *arguments)
-        text = lib.pdyn_last_error(self.context)
-        return b"" if text == other else text
+                raise error_of(status, last_error())
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("objects of projdyn cannot be copied or pickled: write a scene to a file "
@@ -84,7 +71,7 @@ class Handle:
 
 
 def new_context(threads: int, allow_plugins: bool) -> Handle:
-    """A context: threads and error text of a scene and its simulations."""
+    """A context: the threads of a scene and its simulations."""
     try:
         threads = operator.index(threads)  # of numpy, too
     except TypeError:
@@ -92,7 +79,6 @@ def new_context(threads: int, allow_plugins: bool) -> Handle:
     options, out = Options(), c_void_p()
     lib.pdyn_default_options_sized(byref(options), sizeof(options))
     options.threads, options.log, options.refuse_scene_plugins = threads, _log, not allow_plugins
-    status = lib.pdyn_create_sized(byref(options), sizeof(options), byref(out))
-    if status:
-        raise InputError(f"threads: expected 0 to 1024, found {threads}")
+    if lib.pdyn_create_sized(byref(options), sizeof(options), byref(out)):
+        raise InputError(last_error())
     return Handle(out.value or 0, lib.pdyn_destroy)

@@ -17,7 +17,6 @@ Strings = POINTER(c_char_p)
 FUNCTIONS = {
     # projdyn.h
     "pdyn_version": (c_char_p,),
-    "pdyn_status_text": (c_char_p, Status),
     "pdyn_create_sized": (Status, POINTER(Options), c_size_t, Out),
     "pdyn_default_options_sized": (None, POINTER(Options), c_size_t),
     "pdyn_destroy": (None, Context),

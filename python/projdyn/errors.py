@@ -23,7 +23,6 @@ def wrong_type(what: str, expected: str, found: Any) -> TypeError:
 
 
 _BAD_INPUT = 1
-BAD_CALL = 2  # the library may have set no text
 
 
 def error_of(status: int, text: str) -> Error:

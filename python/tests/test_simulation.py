@@ -1,4 +1,5 @@
 """Steps, views of the state, lifetimes, saved states and output."""
+import concurrent.futures
 import copy
 import gc
 import json
@@ -102,9 +103,29 @@ class Steps(unittest.TestCase):
         for _ in range(2):
             with self.assertRaisesRegex(projdyn.Error, "the simulation has failed before"):
                 sim.step()
-        for _ in range(2):  # no text of its own: not that of the error before
-            with self.assertRaisesRegex(projdyn.Error, "arguments that make no sense"):
-                sim._handle.call(lib.pdyn_set_forces, -1, 1, None)
+
+    def test_the_text_of_a_bad_call(self):
+        """Each call once: its text is not that of the error before, nor of another simulation."""
+        sim, other = hanging_sheet().load(), hanging_sheet().load()
+        for name, arguments, text in ((lib.pdyn_set_forces, (-1, 1, None), "first -1, count 1"),
+                                      (lib.pdyn_hold, (0, 1.0, None), "target is NULL"),
+                                      (lib.pdyn_enable, (99, True), "constraint: expected 0 to")):
+            with self.assertRaisesRegex(projdyn.Error, f"^{name.__name__}: {text}"):
+                sim._handle.call(name, *arguments)
+            with self.assertRaisesRegex(projdyn.Error, "path is NULL"):
+                other._handle.call(lib.pdyn_save, None)
+        with self.assertRaisesRegex(projdyn.InputError, "threads: expected 0 to 1024, found -1"):
+            projdyn.Scene(threads=-1)
+
+    def test_threads_have_their_own_texts(self):
+        def fails_with_its_text(k):
+            sim = hanging_sheet().load()
+            for count in range(200):
+                with self.assertRaisesRegex(projdyn.Error, f"first {k}, count {-count - 1}:"):
+                    sim._handle.call(lib.pdyn_set_forces, k, -count - 1, None)
+
+        with concurrent.futures.ThreadPoolExecutor(4) as pool:
+            list(pool.map(fails_with_its_text, range(4)))
 
     def test_a_restored_state_revives_a_failed_simulation(self):
         scene = hanging_sheet()
