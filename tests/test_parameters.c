@@ -82,6 +82,38 @@ static void test_wrong_parameters(void **state) {
     pdyn_free(water);
 }
 
+/* An allocator without blocks of more than *user bytes. */
+static void *allocate_small(void *user, void *block, size_t old_size, size_t new_size) {
+    (void)old_size;
+    if (new_size > *(const size_t *)user) return NULL;
+    if (new_size) return realloc(block, new_size);
+    free(block);
+    return NULL;
+}
+
+/* Without memory for the arrays of a changed constraint, a parameter keeps its value, and the
+ * simulation goes on with it. */
+static void test_parameter_without_memory(void **state) {
+    (void)state;
+    size_t largest = SIZE_MAX;
+    pdyn_options options = pdyn_default_options();
+    options.threads = 1, options.allocate = allocate_small, options.allocate_user = &largest;
+    pdyn_context *small = NULL;
+    good(pdyn_create(&options, &small));
+    pdyn_sim *sim = test_load(small, sheet), *other = test_load(context, sheet);
+    largest = 128;
+    assert_int_equal(pdyn_set_parameter(sim, BENDS, "bending_rigidity", (double[]){1e-2}, 1),
+                     PDYN_NO_MEMORY);
+    largest = SIZE_MAX;
+    assert_true(pdyn_get_parameter(sim, BENDS, 0).value == 1e-3);
+    for (int k = 0; k < 5; k++) test_step(small, sim), test_step(context, other);
+    for (int k = 0; k < 3 * VERTICES; k++) assert_true(fabs(sim->x[k] - other->x[k]) < 1e-6);
+    pdyn_free(sim);
+    pdyn_free(other);
+    assert_int_equal(pdyn_bytes_in_use(small), 0);
+    pdyn_destroy(small);
+}
+
 /* The volume term of "tet" has elements of its own, which cannot appear in a run. */
 static void test_elements_stay(void **state) {
     (void)state;
@@ -171,6 +203,7 @@ int main(void) {
         cmocka_unit_test(test_parameter_from_start),
         cmocka_unit_test(test_parameter_in_run),
         cmocka_unit_test(test_wrong_parameters),
+        cmocka_unit_test(test_parameter_without_memory),
         cmocka_unit_test(test_elements_stay),
         cmocka_unit_test(test_enable),
         cmocka_unit_test(test_enable_without_parameters),

@@ -145,7 +145,10 @@ pdyn_status linear_rows_create(pdyn_context *context, const struct batch *b,
     good = good && resize_arrays(k, ARRAYS_ALLOCATE);
     if (good) fill(k, b, place);
     FREE_ARRAY(context, place, 2 * (size_t)k->count);
-    return good ? PDYN_OK : PDYN_NO_MEMORY;
+    if (good) return PDYN_OK;
+    linear_rows_free(k);
+    *out = NULL;
+    return PDYN_NO_MEMORY;
 }
 
 void linear_rows_free(struct linear_rows *k) {

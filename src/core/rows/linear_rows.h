@@ -20,7 +20,7 @@ struct linear_rows {
     double *partial;  /* energy of each parallel block */
 };
 
-/* The matrix of a batch whose rows are filled. */
+/* The matrix of a batch whose rows are filled. PDYN_NO_MEMORY: *out is NULL. */
 pdyn_status linear_rows_create(pdyn_context *context, const struct batch *batch,
                                struct linear_rows **out);
 void linear_rows_free(struct linear_rows *rows); /* NULL: does nothing */
