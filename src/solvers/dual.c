@@ -117,12 +117,6 @@ static void for_particles(struct dual *s, pdyn_range_fn *fn, double scale, const
                                      &call);
 }
 
-/* y += G' multiplier */
-static void add_force(struct dual *s, const double *multiplier, double *y) {
-    for (int k = 0; k < s->parts; k++)
-        s->model->force(s->model, k, multiplier + s->part[k].first, y);
-}
-
 /* q = G u for the constraints in the solve */
 static void compute_rate(struct dual *s, const double *u) {
     for (int k = 0; k < s->parts; k++) {
@@ -145,18 +139,17 @@ static void add_scaled(void *arg, int first, int last, int block) {
     for (int k = 3 * first; k < 3 * last; k++) c->out[k] += c->scale * c->in[k];
 }
 
-/* out = b - G' multiplier, b: NULL for 0 */
-static void compute_force(struct dual *s, const double *b, const double *multiplier, double *out) {
+/* out = b - G' p, b: NULL for 0 */
+static void compute_force(struct dual *s, const double *b, double *out) {
     memset(out, 0, 3 * (size_t)s->model->particles * sizeof *out);
-    add_force(s, multiplier, out);
+    for (int k = 0; k < s->parts; k++) s->model->force(s->model, k, s->m.p + s->part[k].first, out);
     for_particles(s, subtract_from, 0.0, b, out);
 }
 
-/* d = A^-1 (b - G' multiplier), to `tolerance` (remainder_solve.h) */
-static void compute_displacement(struct dual *s, const double *b, const double *multiplier,
-                                 double tolerance, double *d) {
+/* d = A^-1 (b - G' p), to `tolerance` (remainder_solve.h) */
+static void compute_displacement(struct dual *s, const double *b, double tolerance, double *d) {
     double *force = s->remainder.coupled ? s->rhs : d;
-    compute_force(s, b, multiplier, force);
+    compute_force(s, b, force);
     s->products += remainder_solve_apply(&s->remainder, force, d, tolerance);
 }
 
@@ -168,10 +161,10 @@ static void clear_free(void *arg, int first, int last, int block) {
     for (int k = 3 * first; k < 3 * last; k++) c->out[k] = in_rows[k / 3] ? c->out[k] : 0.0;
 }
 
-/* d += A^-1 (b - G' multiplier - A d), from 0 for particles in no row: their solve is exact */
-static void correct_displacement(struct dual *s, const double *b, const double *multiplier) {
+/* d += A^-1 (b - G' p - A d), from 0 for particles in no row: their solve is exact */
+static void correct_displacement(struct dual *s, const double *b) {
     pdyn_model *A = s->remainder.model;
-    compute_force(s, b, multiplier, s->rhs);
+    compute_force(s, b, s->rhs);
     for_particles(s, clear_free, 0.0, NULL, s->d);
     A->product(A, s->d, s->u);
     A->for_particles(A, GRAIN, add_scaled, &(struct call){s, -1.0, s->u, s->rhs});
@@ -182,7 +175,7 @@ static void correct_displacement(struct dual *s, const double *b, const double *
 /* q = S p. Returns p . q and, in *gp, g . p. */
 static double multiply(struct dual *s, double *gp) {
     double *u = s->remainder.exact ? s->d : s->u;
-    compute_displacement(s, NULL, s->m.p, s->rough * inner_tolerance, u);
+    compute_displacement(s, NULL, s->rough * inner_tolerance, u);
     compute_rate(s, u);
     return multipliers_add_compliance(&s->m, gp);
 }
@@ -207,7 +200,7 @@ static void start(struct dual *s, const double *b) {
     for (int k = 0; k < s->parts; k++)
         multipliers_start(&s->m, s->part[k].first, &s->part[k].at, s->part[k].body, s->model->eps,
                           s->remainder.mobility);
-    compute_displacement(s, b, s->m.p, s->rough * end_tolerance, s->d);
+    compute_displacement(s, b, s->rough * end_tolerance, s->d);
     compute_rate(s, s->d);
     multipliers_compute_residual(&s->m);
     s->last = multipliers_advance(&s->m, 0.0);
@@ -254,8 +247,8 @@ static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop
     if (s->limited) most = (int)fmin(most, MAX_COUPLED / s->rough);
     iterate(s, most, iterations);
     multipliers_find_change(&s->m);
-    if (s->remainder.exact) compute_displacement(s, b, s->m.p, 0.0, s->d);
-    else correct_displacement(s, b, s->m.p);
+    if (s->remainder.exact) compute_displacement(s, b, 0.0, s->d);
+    else correct_displacement(s, b);
     *iterations += s->products;
     return PDYN_OK;
 }

@@ -15,7 +15,8 @@ struct multipliers {
     double *stiffness; /* count: K of the damped model, N m for a fluid */
     double *squares;   /* count: |grad C|^2 */
     double *g;         /* count: C + G d - lambda / K: the residual */
-    double *p, *q;     /* count: direction; S times it */
+    double *p;         /* count: direction; at both ends of a solve lambda - K max(0, C) */
+    double *q;         /* count: S p */
     double *inverse;   /* count: of S's diagonal D */
     bool *in_solve;    /* count: takes part in the solve */
     double *sums;      /* partial sums for each parallel block */
