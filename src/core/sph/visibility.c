@@ -121,11 +121,6 @@ static double density_change(const struct neighbours *n, int i, int j, bool visi
 
 /* ---- removal of hidden pairs ----------------------------------------------------------------- */
 
-/* Surface samples are never hidden: through them the surface acts on the fluid. */
-static bool can_hide(const struct neighbours *n, int i) {
-    return i >= n->view.particles || n->centre[i];
-}
-
 static void find_clearances(void *arg, int first, int last, int block) {
     (void)block;
     const struct neighbours *n = arg;
@@ -179,12 +174,18 @@ static int hide_fluid(struct neighbours *n, int i) {
     return to;
 }
 
-/* Moves part of the list of i to `to`, without hidden boundary points; returns its end. */
+/* Moves the samples in a list to `to`; returns their end. They are never hidden: through them the
+ * surface acts on the fluid. */
+static int move_samples(struct lists *l, int from, int last, int to) {
+    memmove(l->index + to, l->index + from, (size_t)(last - from) * sizeof *l->index);
+    return to + last - from;
+}
+
+/* Moves boundary points in the list of i to `to`, without hidden ones; returns their end. */
 static int hide_points(struct neighbours *n, int i, int from, int last, int to) {
     struct lists *l = &n->lists;
     for (int s = from; s < last; s++)
-        if (!can_hide(n, l->index[s]) || !is_hidden(n, i, l->index[s]))
-            l->index[to++] = l->index[s];
+        if (!is_hidden(n, i, l->index[s])) l->index[to++] = l->index[s];
     return to;
 }
 
@@ -199,7 +200,7 @@ static void hide(void *arg, int first, int last, int block) {
         int patches = l->patch_start[i];
         if (occlusion_is_clear(n->visibility.occlusion, i, n->reach)) continue;
         l->surface_start[i] = hide_fluid(n, i);
-        l->boundary_start[i] = hide_points(n, i, surface, boundary, l->surface_start[i]);
+        l->boundary_start[i] = move_samples(l, surface, boundary, l->surface_start[i]);
         l->patch_start[i] = hide_points(n, i, boundary, patches, l->boundary_start[i]);
         l->end[i] = hide_points(n, i, patches, l->end[i], l->patch_start[i]);
     }
