@@ -239,9 +239,8 @@ static struct element row_element(const pdyn_sim *sim, const struct batch *b, in
                             sqrt(squares)};
 }
 
-static struct element operator_element(const pdyn_sim *sim, const struct batch *b, int e) {
+static struct element operator_element(const struct batch *b, int e) {
     const struct one_sided *s = &b->one_sided;
-    (void)sim;
     return (struct element){e < s->at.count ? one_sided_energy(s, e) : 0.0, 0.0};
 }
 
@@ -251,7 +250,7 @@ pdyn_status pdyn_element_values(const pdyn_sim *sim, int constraint, double *ene
     const struct batch *b = sim->objective.batch[constraint];
     for (int e = 0; e < b->view.elements; e++) {
         struct element value = {0};
-        if (sim->forces_known) value = (b->op ? operator_element : row_element)(sim, b, e);
+        if (sim->forces_known) value = b->op ? operator_element(b, e) : row_element(sim, b, e);
         if (energy) energy[e] = value.energy;
         if (distance) distance[e] = value.distance;
     }
