@@ -163,7 +163,7 @@ static pdyn_status put_back(struct pdyn_sim *sim, const double *x) {
 static pdyn_status place(struct pdyn_sim *sim, int first, int count, const double *x) {
     struct contact *contact = sim->objective.contact;
     copy_live(sim, first, count, x, sim->x);
-    rigid_fit(sim, first, count, sim->x, NULL);
+    rigid_fit_positions(sim, first, count);
     pdyn_status status = contact ? contact_local(contact, sim->x) : PDYN_OK;
     return status == PDYN_OK && contact ? contact_check(contact) : status;
 }
@@ -191,7 +191,7 @@ pdyn_status pdyn_set_velocities(pdyn_sim *sim, int first, int count, const doubl
     if (status == PDYN_OK) status = rigid_fit_check(sim, first, count);
     if (status != PDYN_OK) return status;
     copy_live(sim, first, count, v, sim->v);
-    rigid_fit(sim, first, count, sim->x, sim->v);
+    rigid_fit_velocities(sim, first, count);
     forget_last_step(sim);
     return PDYN_OK;
 }

@@ -67,11 +67,14 @@ pdyn_status rigid_fit_check(const struct pdyn_sim *sim, int first, int count) {
     return PDYN_OK;
 }
 
-void rigid_fit(const struct pdyn_sim *sim, int first, int count, double *x, double *v) {
+void rigid_fit_positions(struct pdyn_sim *sim, int first, int count) {
     const struct rigid_map *map = sim->objective.rigid;
-    for (int k = 0; map && k < map->bodies; k++) {
-        if (!is_touched(&map->body[k], first, count)) continue;
-        if (v) fit_velocities(&map->body[k], x, v);
-        else fit_pose(&map->body[k], x);
-    }
+    for (int k = 0; map && k < map->bodies; k++)
+        if (is_touched(&map->body[k], first, count)) fit_pose(&map->body[k], sim->x);
+}
+
+void rigid_fit_velocities(struct pdyn_sim *sim, int first, int count) {
+    const struct rigid_map *map = sim->objective.rigid;
+    for (int k = 0; map && k < map->bodies; k++)
+        if (is_touched(&map->body[k], first, count)) fit_velocities(&map->body[k], sim->x, sim->v);
 }
