@@ -106,7 +106,7 @@ double scene_pressure(const struct scene *scene, const struct scene_body *fluid)
         largest = fmax(largest, density * gravity * (top_of(scene, body) - from));
     }
     for (int s = 0; s < scene->solids; s++) {
-        double speed = pose_top_speed_of_mesh(&scene->solid[s], 0.0, INFINITY);
+        double speed = pose_top_speed_of_mesh(&scene->solid[s], INFINITY);
         largest = fmax(largest, 0.5 * rho * speed * speed);
     }
     return largest;

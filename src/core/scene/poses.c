@@ -130,8 +130,8 @@ double pose_top_speed(const struct scene_motion *motion, const struct box *box, 
     return speed;
 }
 
-double pose_top_speed_of_mesh(const struct scene_solid *solid, double from, double to) {
+double pose_top_speed_of_mesh(const struct scene_solid *solid, double end) {
     if (!solid->motion.keys) return 0.0;
     const struct box box = pose_box(&solid->motion, solid->mesh.vertex, solid->mesh.vertices);
-    return pose_top_speed(&solid->motion, &box, from, to);
+    return pose_top_speed(&solid->motion, &box, 0.0, end);
 }

@@ -40,7 +40,7 @@ struct box pose_box(const struct scene_motion *motion, const double *x, int coun
 double pose_top_speed(const struct scene_motion *motion, const struct box *box, double from,
                       double to);
 
-/* That of a solid's mesh; 0: it rests. */
-double pose_top_speed_of_mesh(const struct scene_solid *solid, double from, double to);
+/* That of a solid's mesh from time 0 to `end`, s; 0: it rests. */
+double pose_top_speed_of_mesh(const struct scene_solid *solid, double end);
 
 #endif

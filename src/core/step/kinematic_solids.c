@@ -105,7 +105,7 @@ double kinematic_speed(const struct kinematic_solids *moving, double from, doubl
 double kinematic_top_speed(const struct pdyn_sim *sim) {
     double speed = 0.0, end = sim->scene.settings.duration;
     for (int s = 0; s < sim->scene.solids; s++)
-        speed = fmax(speed, pose_top_speed_of_mesh(&sim->scene.solid[s], 0.0, end));
+        speed = fmax(speed, pose_top_speed_of_mesh(&sim->scene.solid[s], end));
     return speed;
 }
 
