@@ -131,11 +131,14 @@ struct grains {
     const double *multiplier;    /* constraints: that of the last call of `force` */
 };
 
-static bool resize(struct grains *g, void *array, int old_count, int count, size_t size) {
-    void **at = (void **)array;
-    *at = g->services->allocate(g->services->core, *at, (size_t)old_count * size,
-                                (size_t)count * size);
-    return *at || !count;
+/* `pointer`: address of the pointer to the array, of any type (hence memcpy). */
+static bool resize(struct grains *g, void *pointer, int old_count, int count, size_t size) {
+    void *array;
+    memcpy(&array, pointer, sizeof array);
+    array = g->services->allocate(g->services->core, array, (size_t)old_count * size,
+                                  (size_t)count * size);
+    memcpy(pointer, &array, sizeof array);
+    return array || !count;
 }
 
 static bool make_room(struct grains *g, int room) {

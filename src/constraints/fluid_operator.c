@@ -8,34 +8,37 @@
 static bool resize_particles(struct fluid *f, bool allocate) {
     size_t particles = (size_t)f->particles, points = (size_t)f->points;
     size_t samples = (size_t)f->samples + 1; /* none: one, as NULL means no memory */
-    struct {
-        void **array;
+    const struct {
+        void *pointer; /* address of the pointer to the array */
         size_t count, size;
     } all[] = {
-        {(void **)&f->block_start, particles / FLUID_GRAIN + 2, sizeof(int)},
-        {(void **)&f->pair_start, particles, sizeof(int)},
-        {(void **)&f->pair_end, particles, sizeof(int)},
-        {(void **)&f->x, 4 * points, sizeof(double)},
-        {(void **)&f->gradient, 4 * particles, sizeof(double)},
-        {(void **)&f->vector, 4 * particles, sizeof(double)},
-        {(void **)&f->listed_sample, samples, sizeof(int)},
-        {(void **)&f->growth, 9 * samples, sizeof(double)},
-        {(void **)&f->tension, samples, sizeof(double)},
-        {(void **)&f->value_before, particles, sizeof(double)},
-        {(void **)&f->squares_before, particles, sizeof(double)},
-        {(void **)&f->value, particles, sizeof(double)},
-        {(void **)&f->squares, particles, sizeof(double)},
-        {(void **)&f->stiffness, particles, sizeof(double)},
-        {(void **)&f->flux, particles, sizeof(double)},
-        {(void **)&f->weight_sum, particles, sizeof(double)},
-        {(void **)&f->multiplier, particles, sizeof(double)},
-        {(void **)&f->partial, particles / FLUID_GRAIN + 1, sizeof(double)},
+        {&f->block_start, particles / FLUID_GRAIN + 2, sizeof(int)},
+        {&f->pair_start, particles, sizeof(int)},
+        {&f->pair_end, particles, sizeof(int)},
+        {&f->x, 4 * points, sizeof(double)},
+        {&f->gradient, 4 * particles, sizeof(double)},
+        {&f->vector, 4 * particles, sizeof(double)},
+        {&f->listed_sample, samples, sizeof(int)},
+        {&f->growth, 9 * samples, sizeof(double)},
+        {&f->tension, samples, sizeof(double)},
+        {&f->value_before, particles, sizeof(double)},
+        {&f->squares_before, particles, sizeof(double)},
+        {&f->value, particles, sizeof(double)},
+        {&f->squares, particles, sizeof(double)},
+        {&f->stiffness, particles, sizeof(double)},
+        {&f->flux, particles, sizeof(double)},
+        {&f->weight_sum, particles, sizeof(double)},
+        {&f->multiplier, particles, sizeof(double)},
+        {&f->partial, particles / FLUID_GRAIN + 1, sizeof(double)},
     };
     bool good = true;
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
-        *all[k].array = fluid_resize(f, *all[k].array, allocate ? 0 : all[k].count,
-                                     allocate ? all[k].count : 0, all[k].size);
-        good &= *all[k].array != NULL;
+        size_t count = all[k].count;
+        void *array; /* memcpy: the pointers have different types */
+        memcpy(&array, all[k].pointer, sizeof array);
+        array = fluid_resize(f, array, allocate ? 0 : count, allocate ? count : 0, all[k].size);
+        memcpy(all[k].pointer, &array, sizeof array);
+        good &= array != NULL;
     }
     return good;
 }

@@ -4,6 +4,7 @@
 #include "memory.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Constraints below minus this (a relative density, for a fluid) stay out of a solve; the next
  * local step evaluates them again. */
@@ -18,27 +19,30 @@ enum { GRAIN = 2048, SUMS = 4, MAX_PER_PARTICLE = 16 };
 /* Allocates or frees the arrays. */
 static bool resize_arrays(struct multipliers *m, bool allocate) {
     size_t count = (size_t)m->count, sums = SUMS * (size_t)block_count(m->count, GRAIN);
-    struct {
-        void **array;
+    const struct {
+        void *pointer; /* address of the pointer to the array */
         size_t bytes;
     } all[] = {
-        {(void **)&m->lambda, count * sizeof *m->lambda},
-        {(void **)&m->value, count * sizeof *m->value},
-        {(void **)&m->stiffness, count * sizeof *m->stiffness},
-        {(void **)&m->squares, count * sizeof *m->squares},
-        {(void **)&m->g, count * sizeof *m->g},
-        {(void **)&m->p, count * sizeof *m->p},
-        {(void **)&m->q, count * sizeof *m->q},
-        {(void **)&m->inverse, count * sizeof *m->inverse},
-        {(void **)&m->in_solve, count * sizeof *m->in_solve},
-        {(void **)&m->sums, sums * sizeof *m->sums},
+        {&m->lambda, count * sizeof *m->lambda},
+        {&m->value, count * sizeof *m->value},
+        {&m->stiffness, count * sizeof *m->stiffness},
+        {&m->squares, count * sizeof *m->squares},
+        {&m->g, count * sizeof *m->g},
+        {&m->p, count * sizeof *m->p},
+        {&m->q, count * sizeof *m->q},
+        {&m->inverse, count * sizeof *m->inverse},
+        {&m->in_solve, count * sizeof *m->in_solve},
+        {&m->sums, sums * sizeof *m->sums},
     };
     bool good = true;
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
-        *all[k].array =
-            m->services->allocate(m->services->core, *all[k].array, allocate ? 0 : all[k].bytes,
-                                  allocate ? all[k].bytes : 0);
-        good &= *all[k].array != NULL;
+        size_t bytes = all[k].bytes;
+        void *array; /* memcpy: the pointers have different types */
+        memcpy(&array, all[k].pointer, sizeof array);
+        array = m->services->allocate(m->services->core, array, allocate ? 0 : bytes,
+                                      allocate ? bytes : 0);
+        memcpy(all[k].pointer, &array, sizeof array);
+        good &= array != NULL;
     }
     return good;
 }
