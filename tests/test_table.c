@@ -152,7 +152,7 @@ static void test_bad_scenes(void **state) {
 static void test_files(void **state) {
     (void)state;
     test_write_text("target.txt", "# a comment\n0 1 2\n\n 3,4, 5 # another one\r\n6\t7 8\n9 10 11");
-    test_write_text("share.txt", "0.5\n2\n");
+    test_write_text("share.txt", "0.5\v\n\f2\n");
     pdyn_sim *sim = test_load(context, POSE("'target': 'target.txt', 'share': 'share.txt'"));
     assert_rows(params_of(sim)->target, 4, (double[]){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, 12);
     assert_rows(params_of(sim)->share, 2, (double[]){0.5, 2}, 2);
@@ -167,6 +167,7 @@ static void test_bad_files(void **state) {
         const char *text, *error;
     } bad[] = {
         {"1\n2\n3\n", "f.txt: expected 4 lines of 1 number, one per vertex, found 3"},
+        {"1\n2\n\f\n4\n", "f.txt: expected 4 lines of 1 number, one per vertex, found 3"},
         {"", "f.txt: expected 4 lines of 1 number, one per vertex, found 0"},
         {"1\n2\n\n3 3\n4\n", "f.txt:4: expected 1 number, found more than 1"},
         {"1\n2\n#\n-3\n4\n", "f.txt:4: expected a number from 0 to 1000000 N/m, found \"-3\""},

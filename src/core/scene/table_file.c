@@ -11,13 +11,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define BLANKS " \t\r\v\f,"
+#define ENDS   BLANKS "\n#" /* of a word */
+
 enum { WHAT = 128, WORD = 40 };
 
 /* ---- lines ----------------------------------------------------------------------------------- */
 
 /* Skips blanks and commas. Returns whether a number should follow in this line. */
 static bool find_word(struct scan *scan) {
-    scan->at += strspn(scan->at, " \t\r,");
+    scan->at += strspn(scan->at, BLANKS);
     return !scan_at_end(scan) && *scan->at != '\n' && *scan->at != '#';
 }
 
@@ -45,7 +48,7 @@ static pdyn_status fail_number(const struct scan *scan, const pdyn_param *p, int
                                int vertices) {
     char expected[WHAT] = "", word[WORD], found[WORD];
     table_describe_number(p, column, vertices, expected, sizeof expected);
-    snprintf(word, sizeof word, "%.*s", (int)strcspn(scan->at, " \t\r\n,#"), scan->at);
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(scan->at, ENDS), scan->at);
     text_clip(found, sizeof found, word);
     return context_fail(scan->context, PDYN_BAD_INPUT, "%.1024s:%ld: expected %s, found \"%s\"",
                         scan->path, scan->line, expected, found);
@@ -57,7 +60,7 @@ static pdyn_status read_row(struct scan *scan, const pdyn_param *param, int vert
         char *end;
         double value = strtod(scan->at, &end);
         if (count == width) return fail_row(scan, width, width + 1);
-        if (end == scan->at || !strchr(" \t\r\n,#", *end) ||
+        if (end == scan->at || !strchr(ENDS, *end) ||
             !table_allows(param, row, count, value, vertices))
             return fail_number(scan, param, count, vertices);
         row[count] = value, scan->at = end;
