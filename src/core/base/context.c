@@ -125,6 +125,15 @@ void *context_array(pdyn_context *context, size_t count, size_t size) {
     return block;
 }
 
+char *context_copy_text(pdyn_context *context, const char *text) {
+    char *copy = NEW_ARRAY(context, strlen(text) + 1, char);
+    return copy ? strcpy(copy, text) : NULL;
+}
+
+void context_free_text(pdyn_context *context, const char *text) {
+    if (text) FREE_ARRAY(context, text, strlen(text) + 1);
+}
+
 void *context_grow(pdyn_context *context, void *array, size_t *capacity, size_t need, size_t size) {
     if (need <= *capacity) return array;
     size_t grown = 2 * need + 1024;

@@ -29,6 +29,10 @@ void *context_resize(pdyn_context *context, void *block, size_t old_size, size_t
  * set (PDYN_NO_MEMORY) without memory. FREE_ARRAY of a NULL pointer does nothing. */
 void *context_array(pdyn_context *context, size_t count, size_t size);
 
+/* A copy of a text; NULL with the context's error set without memory. */
+char *context_copy_text(pdyn_context *context, const char *text);
+void context_free_text(pdyn_context *context, const char *text); /* NULL: does nothing */
+
 /* Makes room for `need` elements in a growing array of *capacity elements: at least doubles the
  * capacity where it is too small. Returns the array, which may have moved; NULL with the context's
  * error set without memory, the array is then unchanged. */

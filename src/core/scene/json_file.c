@@ -195,13 +195,6 @@ struct json_at json_element(const struct json_at *array, size_t index) {
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-static pdyn_status copy_text(pdyn_context *context, const char *text, size_t size, char **out) {
-    *out = NEW_ARRAY(context, size + 1, char);
-    if (!*out) return PDYN_NO_MEMORY;
-    memcpy(*out, text, size);
-    return PDYN_OK;
-}
-
 static pdyn_status parse(struct json_file *file) {
     json_error_t error = {.text = ""};
     char text[JSON_ERROR_TEXT_LENGTH];
@@ -226,19 +219,23 @@ static pdyn_status parse(struct json_file *file) {
 pdyn_status json_file_open(pdyn_context *context, const char *name, bool on_disk, const char *text,
                            struct json_file *file) {
     *file = (struct json_file){.context = context, .on_disk = on_disk};
-    pdyn_status status = copy_text(context, name, strlen(name), &file->name);
-    if (status == PDYN_OK && on_disk) status = file_load(context, name, &file->text, &file->size);
-    if (status == PDYN_OK && !on_disk && text)
-        status = copy_text(context, text, file->size = strlen(text), &file->text);
-    if (status != PDYN_OK || file->text) return status == PDYN_OK ? parse(file) : status;
-    file->root = json_object();
-    return file->root ? PDYN_OK : context_no_memory(context);
+    file->name = context_copy_text(context, name);
+    if (!file->name) return PDYN_NO_MEMORY;
+    if (!on_disk && !text) {
+        file->root = json_object();
+        return file->root ? PDYN_OK : context_no_memory(context);
+    }
+    pdyn_status status = PDYN_OK;
+    if (on_disk) status = file_load(context, name, &file->text, &file->size);
+    else if ((file->text = context_copy_text(context, text))) file->size = strlen(text);
+    else status = PDYN_NO_MEMORY;
+    return status == PDYN_OK ? parse(file) : status;
 }
 
 void json_file_close(struct json_file *file) {
     json_changes_free(file);
     json_decref(file->root);
     FREE_ARRAY(file->context, file->text, file->size + 1);
-    if (file->name) FREE_ARRAY(file->context, file->name, strlen(file->name) + 1);
+    context_free_text(file->context, file->name);
     *file = (struct json_file){0};
 }

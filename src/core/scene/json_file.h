@@ -13,8 +13,7 @@ struct json_change {          /* a place of the root that was set or removed aft
     const char *key;          /* key of an object; NULL: */
     size_t index;             /* index of an array; if removed: in the text */
     bool removed;             /* an element of an array */
-    char *label;              /* label_size bytes, for messages; NULL: the name of the file */
-    size_t label_size;
+    char *label;              /* for messages; NULL: the name of the file */
 };
 
 struct array_file;

@@ -98,8 +98,7 @@ static bool may_append(const struct edit *e, int k, const json_t *array) {
                                : naming_key(e, k) != NULL;
 }
 
-/* ---- values to attach: these functions take the value, and return NULL without memory ---------
- */
+/* ---- values to attach: functions take the value, and return NULL without memory -------------- */
 
 /* Gives a new element of an array the name by which key k calls it. */
 static json_t *name_element(const struct edit *e, int k, json_t *value) {
@@ -131,7 +130,7 @@ static json_t *wrap(const struct edit *e, int k, json_t *value) {
 static void change_free(pdyn_context *context, struct json_change *change) {
     if (!change) return;
     json_decref(change->container);
-    FREE_ARRAY(context, change->label, change->label_size);
+    context_free_text(context, change->label);
     FREE_ARRAY(context, change, 1);
 }
 
@@ -148,9 +147,8 @@ static struct json_change *change_new(const struct edit *e, json_t *container, s
     /* keeps the address from being used by another value */
     change->container = json_incref(container), change->index = index;
     if (!e->label) return change;
-    change->label_size = strlen(e->label) + 1;
-    change->label = NEW_ARRAY(e->file->context, change->label_size, char);
-    if (change->label) return strcpy(change->label, e->label), change;
+    change->label = context_copy_text(e->file->context, e->label);
+    if (change->label) return change;
     change_free(e->file->context, change);
     return NULL;
 }

@@ -201,11 +201,9 @@ static pdyn_status read_other(const struct json_at *at, const pdyn_param *param,
                               const struct scene_body *body, void *field) {
     (void)param, (void)body;
     if (!json_is_string(at->value)) return json_expected(at, "the name of another body");
-    char *name = NEW_ARRAY(at->file->context, json_string_length(at->value) + 1, char);
-    if (!name) return PDYN_NO_MEMORY;
-    strcpy(name, json_string_value(at->value));
+    const char *name = context_copy_text(at->file->context, json_string_value(at->value));
     *(pdyn_other *)field = (pdyn_other){.name = name};
-    return PDYN_OK;
+    return name ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 static pdyn_status read_real(const struct json_at *at, const pdyn_param *param,
@@ -295,6 +293,6 @@ void params_free(pdyn_context *context, const pdyn_param *table, void *params) {
         if (vertices) FREE_ARRAY(context, vertices->index, vertices->count);
         if (path) keyed_free_path(context, path);
         if (rows) table_free(context, p, rows);
-        if (other && other->name) FREE_ARRAY(context, other->name, strlen(other->name) + 1);
+        if (other) context_free_text(context, other->name);
     }
 }

@@ -20,8 +20,8 @@ pdyn_status params_check_alternatives(const struct json_at *object, const char *
 
 /* Fills `params` by the table; a missing object gives all defaults. Vertex selections, paths,
  * tables and names are zeroed before, and are allocated: params_free frees them, after a failure,
- * too. body: the one whose
- * vertices are selected and whose parts have rows in tables; NULL: these kinds do not occur. */
+ * too. body: the one whose vertices are selected and whose parts have rows in tables; NULL: these
+ * kinds do not occur. */
 pdyn_status params_read(const struct json_at *object, const pdyn_param *table,
                         const struct scene_body *body, void *params);
 /* Checks that `object` is an object with keys of the table only, and reads it. */

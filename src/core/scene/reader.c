@@ -17,13 +17,6 @@ pdyn_status reader_add_particles(const struct json_at *at, double count, double 
 
 double reader_bump(const struct reader *r) { return 0.1 * r->scene->contact.thickness; }
 
-pdyn_status reader_copy_text(pdyn_context *context, const char *text, char **out) {
-    *out = NEW_ARRAY(context, strlen(text) + 1, char);
-    if (!*out) return PDYN_NO_MEMORY;
-    strcpy(*out, text);
-    return PDYN_OK;
-}
-
 /* Plug-ins have further constraints and solvers. */
 static const char *plugin_hint(const struct json_at *at, const char *what) {
     bool extended = !strcmp(what, "constraint") || !strcmp(what, "solver");
@@ -93,7 +86,8 @@ pdyn_status reader_name(struct reader *r, const struct json_at *owner, const cha
     if (is_taken(r->scene, name))
         return json_fail(&at, "the name \"%s\" is already taken by another body, solid or probe",
                          name);
-    return reader_copy_text(r->context, name, out);
+    *out = context_copy_text(r->context, name);
+    return *out ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 pdyn_status reader_color(const struct json_at *owner, char out[8]) {

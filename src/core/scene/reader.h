@@ -38,8 +38,6 @@ double reader_bump(const struct reader *r);
 
 /* ---- names and arrays ------------------------------------------------------------------------ */
 
-pdyn_status reader_copy_text(pdyn_context *context, const char *text, char **out);
-
 /* Fails with "unknown WHAT "word"", a suggestion and the known names. */
 pdyn_status reader_fail_word(const struct json_at *at, const char *what, const char *const *names,
                              int count);

@@ -211,9 +211,10 @@ static pdyn_status read_file(struct reader *r, const struct json_file *file) {
     struct json_file noting = *file;
     noting.sources = &r->scene->sources;
     struct json_at root = json_root(&noting);
-    pdyn_status status = reader_copy_text(r->context, file->name, &r->scene->file);
-    if (status == PDYN_OK && file->on_disk)
-        status = sources_add(r->context, noting.sources, file->name);
+    r->scene->file = context_copy_text(r->context, file->name);
+    if (!r->scene->file) return PDYN_NO_MEMORY;
+    pdyn_status status =
+        file->on_disk ? sources_add(r->context, noting.sources, file->name) : PDYN_OK;
     if (status == PDYN_OK) status = read_parts(r, &root);
     return status == PDYN_OK ? fingerprint_compute(r->context, root.value, r->scene) : status;
 }
@@ -227,10 +228,6 @@ pdyn_status scene_read(const struct json_file *file, struct scene *out) {
     if (status != PDYN_OK) scene_free(file->context, out);
     text_end(&locale);
     return status;
-}
-
-static void free_text(pdyn_context *context, char **text) {
-    if (*text) FREE_ARRAY(context, *text, strlen(*text) + 1);
 }
 
 static void free_body(pdyn_context *context, struct scene_body *body) {
@@ -250,8 +247,8 @@ static void free_body(pdyn_context *context, struct scene_body *body) {
     mesh_free(context, &body->mesh);
     mesh_free(context, &body->skin);
     tets_free(context, &body->tets);
-    free_text(context, &body->obj);
-    free_text(context, &body->name);
+    context_free_text(context, body->obj);
+    context_free_text(context, body->name);
 }
 
 void scene_free(pdyn_context *context, struct scene *scene) {
@@ -259,19 +256,19 @@ void scene_free(pdyn_context *context, struct scene *scene) {
     for (int s = 0; s < scene->solids; s++) {
         mesh_free(context, &scene->solid[s].mesh);
         motion_free(context, &scene->solid[s].motion);
-        free_text(context, &scene->solid[s].name);
+        context_free_text(context, scene->solid[s].name);
     }
     FREE_ARRAY(context, scene->body, scene->bodies);
     FREE_ARRAY(context, scene->solid, scene->solids);
     FREE_ARRAY(context, scene->outlet, scene->outlets);
     for (int k = 0; k < scene->probes; k++) {
         point_list_free(context, &scene->probe[k].at);
-        free_text(context, &scene->probe[k].name);
+        context_free_text(context, scene->probe[k].name);
     }
     FREE_ARRAY(context, scene->probe, scene->probes);
     keyed_free_path(context, &scene->settings.gravity_keys.path);
     sources_free(context, &scene->sources);
-    free_text(context, &scene->file);
-    free_text(context, &scene->name);
+    context_free_text(context, scene->file);
+    context_free_text(context, scene->name);
     *scene = (struct scene){0};
 }

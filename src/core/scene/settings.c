@@ -72,9 +72,9 @@ static pdyn_status read_general(struct reader *r, const struct json_at *root) {
     struct json_at schema = json_member(root, "$schema");
     if (name.value && !json_is_string(name.value)) return json_expected(&name, "a text");
     if (schema.value && !json_is_string(schema.value)) return json_expected(&schema, "a text");
-    pdyn_status status = reader_copy_text(
-        r->context, name.value ? json_string_value(name.value) : "", &r->scene->name);
-    if (status == PDYN_OK) status = params_read(root, settings_general_params, NULL, settings);
+    r->scene->name = context_copy_text(r->context, name.value ? json_string_value(name.value) : "");
+    if (!r->scene->name) return PDYN_NO_MEMORY;
+    pdyn_status status = params_read(root, settings_general_params, NULL, settings);
     return status == PDYN_OK ? read_gravity(&gravity, settings) : status;
 }
 
