@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { HINT = 768 };
+enum { WORD = 64, HINT = 768 };
 
 pdyn_status reader_add_particles(const struct json_at *at, double count, double *so_far) {
     *so_far += count;
@@ -27,7 +27,7 @@ static const char *plugin_hint(const struct json_at *at, const char *what) {
 
 pdyn_status reader_fail_word(const struct json_at *at, const char *what, const char *const *names,
                              int count) {
-    char word[READER_NAMES], hint[HINT] = "";
+    char word[WORD], hint[HINT] = "";
     text_clip(word, sizeof word, json_string_value(at->value));
     text_hint(hint, sizeof hint, word, names, count);
     return json_fail(at, "unknown %s \"%s\"%s%s", what, word, hint, plugin_hint(at, what));
@@ -35,7 +35,7 @@ pdyn_status reader_fail_word(const struct json_at *at, const char *what, const c
 
 pdyn_status reader_choice(const struct json_at *at, const char *what, const char *const *names,
                           int count, int *out) {
-    char expected[READER_NAMES];
+    char expected[WORD];
     *out = 0;
     if (!at->value) return PDYN_OK;
     snprintf(expected, sizeof expected, "the name of a %s", what);
@@ -71,7 +71,7 @@ static bool is_frame_of(const char *name) {
 
 pdyn_status reader_name(struct reader *r, const struct json_at *owner, const char *kind, int index,
                         char **out) {
-    char number[READER_NAMES];
+    char number[WORD];
     struct json_at at = json_member(owner, "name");
     const char *name = json_string_value(at.value);
     snprintf(number, sizeof number, "%s%d", kind, index);

@@ -6,7 +6,7 @@
 #include "json_file.h"
 #include "scene.h"
 
-enum { READER_NAMES = 64 }; /* largest number of names in a list, and of characters in a name */
+enum { READER_NAMES = 64 }; /* largest number of names in a list */
 
 /* state while a scene is read */
 struct reader {
