@@ -512,13 +512,36 @@ static void test_damaged(void **state) {
         test_damaged_copies(good[i].data, good[i].size, expect_sane, &good[i]);
 }
 
+/* ---- pieces ---------------------------------------------------------------------------------- */
+
+#define CUBE(r)                                                                                    \
+    "v -" r " -" r " -" r "\nv " r " -" r " -" r "\nv " r " " r " -" r "\nv -" r " " r " -" r "\n" \
+    "v -" r " -" r " " r "\nv " r " -" r " " r "\nv " r " " r " " r "\nv -" r " " r " " r "\n"
+#define OUTWARDS "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 1 5 8 4\nf 2 3 7 6\n"
+
+/* A hollow cube stays as it is, although a side of the hollow has a triangle without area. */
+static void test_hollow(void **state) {
+    (void)state;
+    struct mesh mesh;
+    struct mesh_turned turned;
+    const char *text = CUBE("2") CUBE("1") "v 0 -1 -1\n" OUTWARDS
+                                           "f 9 17 10 11 12\nf 16 15 14 13\nf 13 14 10 17 9\n"
+                                           "f 11 15 16 12\nf 12 16 13 9\nf 14 15 11 10\n";
+    assert_int_equal(read_bytes("hollow.obj", text, strlen(text), &mesh), PDYN_OK);
+    assert_int_equal(mesh_check_closed(context, &mesh, "hollow"), PDYN_OK);
+    assert_int_equal(mesh_orient_pieces(context, &mesh, &turned), PDYN_OK);
+    assert_true(turned.triangles == 0 && turned.pieces == 0 && turned.crossing == 0);
+    assert_true(fabs(mesh_volume(mesh.triangles, mesh.triangle, mesh.vertex) - 56.0) < 1e-9);
+    mesh_free(context, &mesh);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_good_files),  cmocka_unit_test(test_signed_numbers),
         cmocka_unit_test(test_locale),      cmocka_unit_test(test_bad_files),
         cmocka_unit_test(test_unreadable),  cmocka_unit_test(test_check),
         cmocka_unit_test(test_check_cloth), cmocka_unit_test(test_no_memory),
-        cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_damaged),     cmocka_unit_test(test_hollow),
     };
     return cmocka_run_group_tests_name("mesh", tests, set_up, tear_down);
 }

@@ -127,9 +127,10 @@ static void find_surrounded(struct pieces *p, const struct mesh_query *query) {
         int own = p->of[t];
         mesh_corners(p->mesh, t, corner);
         vec3_normal(n, corner[0], corner[1], corner[2]);
-        double inwards = p->volume[own] < 0.0 ? 1.0 : -1.0;
+        double inwards = p->volume[own] < 0.0 ? 1.0 : -1.0, size = vec3_length(n);
+        if (size == 0.0) continue; /* no area, no inner side */
         for (int k = 0; k < 3; k++) vec3_add(x, 1.0 / 3.0, corner[k]);
-        vec3_add(x, inwards * sample_depth / sqrt(2.0 * vec3_length(n)), n);
+        vec3_add(x, inwards * sample_depth / sqrt(2.0 * size), n);
         p->samples[own]++;
         p->surrounded[own] += mesh_query_contains_others(query, x, p->of, own);
     }
