@@ -89,6 +89,21 @@ static void test_plane(void **state) {
     pdyn_destroy(context);
 }
 
+/* A box with two open sides, far thinner than its points are apart. */
+static void test_thin_box(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, SCENE("'duration': 1",
+                       FLUID_BOX("'name': 'water', ", "0.02", "0.1, 0, 0", "0.3, 0.2, 0.2", ""),
+                       ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [1e-13, 1, 1]}, "
+                       "'open': ['-x', '+x']}]"));
+    const struct boundary_points *points = &sim->boundary;
+    for (int k = 0; k < 3 * points->at.count; k++) assert_true(fabs(points->at.x[k]) < 1.1);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 #define PRESSED(more)                                                                              \
     SCENE("'duration': 1, 'time_step': {'maximum': 0.004}",                                        \
           FLUID_BOX("'name': 'water', 'velocity': [1, 0, 0.5], ", "0.02", "0, 0, 0",               \
@@ -163,13 +178,10 @@ static void test_outside(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plane),
-        cmocka_unit_test(test_corner),
-        cmocka_unit_test(test_plate),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_failing_allocator),
-        cmocka_unit_test(test_block),
-        cmocka_unit_test(test_outside),
+        cmocka_unit_test(test_plane),   cmocka_unit_test(test_thin_box),
+        cmocka_unit_test(test_corner),  cmocka_unit_test(test_plate),
+        cmocka_unit_test(test_threads), cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_block),   cmocka_unit_test(test_outside),
     };
     return cmocka_run_group_tests_name("walls", tests, test_enter_directory, test_leave_directory);
 }

@@ -83,7 +83,7 @@ static pdyn_status sample_rectangle(pdyn_context *context, const char *name,
                                     struct boundary_points *out) {
     double cuts[2], pitch[2];
     for (int k = 0; k < 2; k++) {
-        cuts[k] = ceil(r->length[k] / spacing - 1e-9);
+        cuts[k] = fmax(1.0, ceil(r->length[k] / spacing - 1e-9));
         pitch[k] = r->length[k] / cuts[k];
     }
     pdyn_status status = check_points(context, name, r->length, spacing, cuts[0] * cuts[1]);
