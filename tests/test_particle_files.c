@@ -4,12 +4,14 @@
 
 #include <string.h>
 
-#define PLY         "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
-#define PLY_V       "property float vx\nproperty float vy\nproperty float vz\n"
-#define VTK(format) "# vtk DataFile Version 3.0\na title\n" format "\n"
-#define BYTES_1     "\x3f\x80\0\0"
-#define BYTES_2     "\x40\0\0\0"
-#define ZERO        "\0\0\0\0"
+#define PLY           "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+#define PLY_V         "property float vx\nproperty float vy\nproperty float vz\n"
+#define VTK(format)   "# vtk DataFile Version 3.0\na title\n" format "\n"
+#define VTK_5(format) "# vtk DataFile Version 5.1\na title\n" format "\n"
+#define METADATA      "METADATA\nINFORMATION 1\nNAME L2_NORM_RANGE LOCATION vtkDataArray\nDATA 2 1 2\n\n"
+#define BYTES_1       "\x3f\x80\0\0"
+#define BYTES_2       "\x40\0\0\0"
+#define ZERO          "\0\0\0\0"
 
 /* Two particles at (1, 0, 0) and (0, 2, 0), with velocities (0, 0, 1) and (2, 0, 0) if fast. */
 static const struct sample {
@@ -45,6 +47,21 @@ static const struct sample {
                          "\nVERTICES 1 3\n" ZERO ZERO ZERO "\nPOINT_DATA 2\n"
                          "SCALARS k char 1\nLOOKUP_TABLE default\n\n\n\nFIELD f 1\n"
                          "velocity 3 2 float\n" ZERO ZERO BYTES_1 BYTES_2 ZERO ZERO "\n",
+           true),
+    SAMPLE(
+        "a.vtk",
+        VTK_5("ASCII") "DATASET UNSTRUCTURED_GRID\nPOINTS 2 float\n1 0 0 0 2 0\n" METADATA
+                       "CELLS 3 2\nOFFSETS vtktypeint64\n0 1 2\nCONNECTIVITY vtktypeint64\n0 1\n"
+                       "CELL_TYPES 2\n1\n1\n\nPOINT_DATA 2\nFIELD FieldData 2\nk 1 2 double\n5 6\n"
+                       "METADATA\nINFORMATION 0\n\nvelocity 3 2 double\n0 0 1 2 0 0\n"
+                       "METADATA\nCOMPONENT_NAMES\nx\ny\nz\nINFORMATION 0\n\n",
+        true),
+    SAMPLE("a.vtk",
+           VTK_5("BINARY") "DATASET POLYDATA\nPOINTS 2 float\n" BYTES_1 ZERO ZERO ZERO BYTES_2 ZERO
+                           "\n" METADATA "VERTICES 2 2\nOFFSETS vtktypeint64\n" ZERO ZERO ZERO ZERO
+                           "\nCONNECTIVITY vtktypeint64\n" ZERO ZERO ZERO ZERO "\nPOINT_DATA 2\n"
+                           "VECTORS velocity float\n" ZERO ZERO BYTES_1 BYTES_2 ZERO ZERO
+                           "\n" METADATA,
            true),
     SAMPLE("a.vtk",
            VTK("BINARY") "DATASET POLYDATA\nPOINTS 2 double\n\x3f\xf0\0\0" ZERO ZERO ZERO ZERO ZERO
@@ -129,8 +146,12 @@ static const struct {
      "ply\nformat ascii 1.0\nelement vertex 0\nproperty int x\nproperty int y\nproperty int z\n"
      "end_header\n",
      "a.ply: the file has no particles"},
-    {"a.vtk", "# vtk DataFile Version 5.1\nt\nASCII\n",
-     "a.vtk:1: expected a version before 5, found '5.1'"},
+    {"a.vtk", "# vtk DataFile Version 6.0\nt\nASCII\n",
+     "a.vtk:1: expected a version before 6, found '6.0'"},
+    {"a.vtk", VTK_5("ASCII") "POINTS 1 float\n1 1 1\nVERTICES 2 1\n1 0\n",
+     "a.vtk:7: expected OFFSETS, found '1'"},
+    {"a.vtk", VTK_5("ASCII") "POINTS 1 float\n1 1 1\nVERTICES 2 1\nOFFSETS vtktypeint64\n0 1\n",
+     "a.vtk:9: expected CONNECTIVITY, found the end of the file"},
     {"a.vtk", "solid\n", "a.vtk:1: expected '# vtk DataFile Version', found 'solid'"},
     {"a.vtk", VTK("TEXT"), "a.vtk:3: expected ASCII or BINARY, found 'TEXT'"},
     {"a.vtk", VTK("ASCII"), "a.vtk: the file has no particles"},

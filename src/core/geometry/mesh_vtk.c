@@ -1,5 +1,5 @@
-/* Legacy VTK before version 5, text or big-endian bytes: reads the points of POLYDATA or
- * UNSTRUCTURED_GRID and their vectors named "velocity"; skips cells and other data. */
+/* Legacy VTK, text or big-endian bytes: reads the points of POLYDATA or UNSTRUCTURED_GRID and their
+ * vectors named "velocity"; skips cells, other data and METADATA. */
 #include "mesh_file.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ static const struct type types[] = {
     {"float", 4, scan_float},   {"double", 8, scan_double}, {"char", 1, NULL},
     {"unsigned_char", 1, NULL}, {"short", 2, NULL},         {"unsigned_short", 2, NULL},
     {"int", 4, NULL},           {"unsigned_int", 4, NULL},  {"vtkIdType", 4, NULL},
-    {"long", 8, NULL},          {"unsigned_long", 8, NULL},
+    {"long", 8, NULL},          {"unsigned_long", 8, NULL}, {"vtktypeint64", 8, NULL},
 };
 static const struct type *const vtk_int = &types[6];
 
@@ -38,6 +38,18 @@ static pdyn_status read_number(struct mesh_file *file, const struct type *type, 
     return file->in.binary ? read_bytes(file, type, value) : read_text(file, value);
 }
 
+/* Names and ranges of the numbers before, up to an empty line. */
+static void skip_metadata(struct mesh_file *file) {
+    scan_skip_blank(&file->in);
+    struct word word = scan_word(&file->in);
+    bool found = word_is(word, "METADATA");
+    if (!found) file->in.at = word.text;
+    while (found && word.length) {
+        scan_next_line(&file->in);
+        word = scan_word(&file->in);
+    }
+}
+
 /* Reads `count` numbers from the next line on and calls `add` for every three; NULL: skips them. */
 typedef pdyn_status add_fn(struct mesh_file *file, const double x[3]);
 static pdyn_status read_values(struct mesh_file *file, const struct type *type, int64_t count,
@@ -49,6 +61,7 @@ static pdyn_status read_values(struct mesh_file *file, const struct type *type, 
         status = read_number(file, type, &value[k % 3]);
         if (status == PDYN_OK && add && k % 3 == 2) status = add(file, value);
     }
+    if (status == PDYN_OK) skip_metadata(file);
     return status;
 }
 
@@ -56,6 +69,7 @@ static pdyn_status read_values(struct mesh_file *file, const struct type *type, 
 
 struct vtk {
     struct mesh_file *file;
+    double version;
     int64_t tuples; /* number of tuples of the current data section */
     bool on_points; /* the current data section belongs to the points */
 };
@@ -99,11 +113,25 @@ static pdyn_status read_points(struct vtk *vtk) {
     return status == PDYN_OK ? read_values(vtk->file, type, 3 * count, mesh_file_vertex) : status;
 }
 
+static pdyn_status skip_part_of_cells(struct vtk *vtk, const char *name, int64_t count) {
+    const struct type *type = NULL;
+    scan_skip_blank(&vtk->file->in);
+    struct word word = scan_word(&vtk->file->in);
+    if (!word_is(word, name)) return scan_expected(&vtk->file->in, name, word);
+    pdyn_status status = read_type(vtk->file, &type);
+    return status == PDYN_OK ? read_values(vtk->file, type, count, NULL) : status;
+}
+
+/* Up to version 4: corners, each cell with their number. From 5 on: where each cell begins, and
+ * corners. */
 static pdyn_status skip_cells(struct vtk *vtk) {
-    int64_t count = 0;
-    pdyn_status status = read_count(vtk->file, "a number of cells", &count);
+    int64_t cells = 0, count = 0;
+    pdyn_status status = read_count(vtk->file, "a number of cells", &cells);
     if (status == PDYN_OK) status = read_count(vtk->file, "a number of integers", &count);
-    return status == PDYN_OK ? read_values(vtk->file, vtk_int, count, NULL) : status;
+    if (status != PDYN_OK) return status;
+    if (vtk->version < 5.0) return read_values(vtk->file, vtk_int, count, NULL);
+    status = skip_part_of_cells(vtk, "OFFSETS", cells);
+    return status == PDYN_OK ? skip_part_of_cells(vtk, "CONNECTIVITY", count) : status;
 }
 
 static pdyn_status skip_cell_types(struct vtk *vtk) {
@@ -204,9 +232,9 @@ static pdyn_status read_section(struct vtk *vtk) {
 }
 
 /* Reads the header: version, title, ASCII or BINARY. */
-static pdyn_status read_header(struct mesh_file *file) {
+static pdyn_status read_header(struct vtk *vtk) {
     static const char *const magic[] = {"#", "vtk", "DataFile", "Version"};
-    double version;
+    struct mesh_file *file = vtk->file;
     struct word word;
     for (int k = 0; k < 4; k++) {
         word = scan_word(&file->in);
@@ -214,8 +242,8 @@ static pdyn_status read_header(struct mesh_file *file) {
             return scan_expected(&file->in, "'# vtk DataFile Version'", word);
     }
     word = scan_word(&file->in);
-    if (!word_number(word, &version) || !(version < 5.0))
-        return scan_expected(&file->in, "a version before 5", word);
+    if (!word_number(word, &vtk->version) || !(vtk->version < 6.0))
+        return scan_expected(&file->in, "a version before 6", word);
     scan_next_line(&file->in);
     scan_next_line(&file->in);
     word = scan_word(&file->in);
@@ -227,7 +255,7 @@ static pdyn_status read_header(struct mesh_file *file) {
 
 pdyn_status mesh_vtk_parse(struct mesh_file *file) {
     struct vtk vtk = {.file = file};
-    pdyn_status status = read_header(file);
+    pdyn_status status = read_header(&vtk);
     scan_skip_blank(&file->in);
     while (status == PDYN_OK && !scan_at_end(&file->in)) {
         status = read_section(&vtk);
