@@ -135,7 +135,9 @@ static int print_solid(const pdyn_sim *sim, int k) {
 
 static void print_boundary(const pdyn_state *state) {
     printf("boundary: %d points", state->boundary);
-    printf(state->moving ? ", %d of them on moving solids\n" : "\n", state->moving);
+    if (state->moving) printf(", %d of them on moving solids", state->moving);
+    if (state->samples) printf("; %d samples of surfaces", state->samples);
+    putchar('\n');
 }
 
 static void print_probes(const pdyn_sim *sim) {

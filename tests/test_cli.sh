@@ -140,6 +140,7 @@ expect "check tells velocities" 0 ", velocity (0.5, 0, -1) m/s" "$program" check
 expect "check tells vectors" 0 "velocity (8, 0, 2) m/s" "$program" check "$root/scenes/flag.json" --set bodies.0.constraints.wind.velocity=[8,0,2]
 expect "check tells gravity" 0 "gravity (0, -9.81, 0) m/s^2" "$program" check "$scene"
 expect "check tells the bounds of solids" 0 "solid tank: from (" "$program" check "$scene"
+expect "check counts the samples of surfaces" 0 " samples of surfaces" "$program" check "$scene"
 expect "check says the memory" 0 " MB" "$program" check "$scene"
 # Compares the size of a frame, by `check`, with that of the files of one.
 disk_of_frames() {

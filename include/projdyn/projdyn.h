@@ -231,6 +231,7 @@ typedef struct pdyn_state {
     const double *boundary_x; /* m, boundary x 3 */
     int bodies;
     int constraints; /* batches: one per constraint of the scene */
+    int samples;     /* points on surfaces of bodies by which these act on a fluid */
 } pdyn_state;
 PDYN_API void pdyn_get_state_sized(const pdyn_sim *sim, pdyn_state *out, size_t size);
 static inline pdyn_state pdyn_get_state(const pdyn_sim *sim) {

@@ -65,7 +65,7 @@ class State(Structure):  # pdyn_state
     _fields_ = [("particles", c_int), ("x", Doubles), ("v", Doubles), ("mass", Doubles),
                 ("density", Doubles), ("pressure", Doubles), ("live", Bools), ("boundary", c_int),
                 ("moving", c_int), ("boundary_x", Doubles), ("bodies", c_int),
-                ("constraints", c_int)]
+                ("constraints", c_int), ("samples", c_int)]
 
 
 class BodyInfo(Structure):  # pdyn_body_info

@@ -48,7 +48,8 @@ static pdyn_state get_state(const pdyn_sim *sim) {
                         .moving = sim->kinematic.points,
                         .boundary_x = sim->boundary.at.x,
                         .bodies = sim->bodies,
-                        .constraints = sim->constraints};
+                        .constraints = sim->constraints,
+                        .samples = sim->objective.samples ? sim->objective.samples->count : 0};
 }
 
 static pdyn_body_info get_body(const pdyn_sim *sim, int body) {
