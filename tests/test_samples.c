@@ -51,6 +51,48 @@ static void test_places(void **state) {
     pdyn_destroy(context);
 }
 
+/* Adds to `area` the areas of small parts of triangle t, each to the sample nearest to it. */
+static void add_areas(const pdyn_body *sheet, int t, int samples, const double *at, double *area) {
+    enum { SIDE = 40 };
+    const int *v = sheet->triangle + 3 * t;
+    for (int k = 0; k < SIDE * SIDE; k++) { /* row by row, 2 row + 1 triangles in each */
+        int row = (int)sqrt(k), upside = (k - row * row) % 2, best = 0;
+        double up = (row + (upside ? 1.0 : 2.0) / 3.0) / SIDE, x[3];
+        double along = ((k - row * row) / 2 + (upside ? 2.0 : 1.0) / 3.0) / SIDE;
+        for (int a = 0; a < 3; a++)
+            x[a] = (1.0 - up) * sheet->rest[3 * v[0] + a] +
+                   (up - along) * sheet->rest[3 * v[1] + a] + along * sheet->rest[3 * v[2] + a];
+        double nearest = INFINITY;
+        for (int m = 0; m < samples; m++) {
+            double distance = vec3_distance(x, at + 3 * m);
+            if (distance < nearest) nearest = distance, best = m;
+        }
+        area[best] += sheet->triangle_area[t] / (SIDE * SIDE);
+    }
+}
+
+/* The area of a sample is that of the surface which is nearer to it than to any other. */
+static void test_areas(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, drop);
+    const struct surface_samples *s = sim->objective.samples;
+    const pdyn_body *sheet = &sim->body[1];
+    int n = sim->objective.particles;
+    double *x = test_vector(3 * (n + s->count)), *area = test_vector(s->count), sum = 0.0;
+    samples_interpolate(s, sim->x, x);
+    for (int t = 0; t < sheet->triangles; t++)
+        add_areas(sheet, t, s->count, x + 3 * (size_t)n, area);
+    for (int k = 0; k < s->count; k++) {
+        sum += s->rest_area[k];
+        assert_true(fabs(s->rest_area[k] - area[k]) < 0.25 * 0.09 / s->count);
+    }
+    assert_true(fabs(sum - 0.09) < 1e-12);
+    free(x), free(area);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* Puts every `many`-th sample into a neighbour list. */
 static void reach_every(struct surface_samples *s, int many) {
     int points = s->particles + s->count;
@@ -270,8 +312,10 @@ static void test_far(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_places),  cmocka_unit_test(test_gather),  cmocka_unit_test(test_line),
-        cmocka_unit_test(test_stretch), cmocka_unit_test(test_density), cmocka_unit_test(test_far),
+        cmocka_unit_test(test_places),  cmocka_unit_test(test_areas),
+        cmocka_unit_test(test_gather),  cmocka_unit_test(test_line),
+        cmocka_unit_test(test_stretch), cmocka_unit_test(test_density),
+        cmocka_unit_test(test_far),
     };
     return cmocka_run_group_tests_name("samples", tests, NULL, NULL);
 }

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+static const double cell_edge = 2.1; /* distances: a little more than two, against rounding */
+
 static const double *point(const struct poisson_disk *set, int k) {
     return set->at.x + 3 * (size_t)k;
 }
@@ -12,8 +14,11 @@ static bool is_close(const struct poisson_disk *set, int k, const double x[3]) {
     return r[0] * r[0] + r[1] * r[1] + r[2] * r[2] < set->distance * set->distance;
 }
 
-static void find_cell(const struct poisson_disk *set, const double x[3], int64_t cell[3]) {
-    for (int a = 0; a < 3; a++) cell[a] = (int64_t)floor(x[a] / set->distance);
+/* The cell `shift` cells from x along each axis. */
+static void find_cell(const struct poisson_disk *set, const double x[3], double shift,
+                      int64_t cell[3]) {
+    for (int a = 0; a < 3; a++)
+        cell[a] = (int64_t)floor(x[a] / (cell_edge * set->distance) + shift);
 }
 
 static int *bucket_of(const struct poisson_disk *set, int64_t i, int64_t j, int64_t k) {
@@ -30,14 +35,12 @@ static bool is_in_bucket(struct poisson_disk *set, const int *bucket, const doub
 
 /* Points are offered in rows, so the one in the way of the last point often is in the way again. */
 static bool is_free(struct poisson_disk *set, const double x[3]) {
-    static const int away[3] = {0, -1, 1};
     int64_t at[3];
     if (!set->at.count) return true;
     if (is_close(set, set->last, x)) return false;
-    find_cell(set, x, at);
-    for (int n = 0; n < 27; n++) {
-        const int *bucket =
-            bucket_of(set, at[0] + away[n % 3], at[1] + away[n / 3 % 3], at[2] + away[n / 9]);
+    find_cell(set, x, -0.5, at);
+    for (int n = 0; n < 8; n++) {
+        const int *bucket = bucket_of(set, at[0] + n % 2, at[1] + n / 2 % 2, at[2] + n / 4);
         if (is_in_bucket(set, bucket, x)) return false;
     }
     return true;
@@ -45,7 +48,7 @@ static bool is_free(struct poisson_disk *set, const double x[3]) {
 
 static void put_into_bucket(struct poisson_disk *set, int k) {
     int64_t cell[3];
-    find_cell(set, point(set, k), cell);
+    find_cell(set, point(set, k), 0.0, cell);
     int *bucket = bucket_of(set, cell[0], cell[1], cell[2]);
     set->next[k] = *bucket, *bucket = k;
 }

@@ -4,8 +4,9 @@
 
 #include "point_list.h"
 
-/* Points are in cells as wide as the distance, so that the points closer than it to a place are in
- * the 27 cells around. Cells share buckets by a hash (Teschner et al. 2003). */
+/* Points are in cells more than twice as wide as the distance, so that the points closer than it to
+ * a place are in the eight cells nearest to it. Cells share buckets by a hash (Teschner et al.
+ * 2003). */
 struct poisson_disk {
     double distance; /* m */
     struct point_list at;
