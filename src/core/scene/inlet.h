@@ -9,9 +9,10 @@
 extern const pdyn_param inlet_params[], outlet_params[];
 extern const pdyn_param inlet_speed_param; /* of a key of "speed" */
 
-/* Reads an inlet for particles of this radius, m. The caller calls inlet_free, after a failure,
- * too. */
-pdyn_status inlet_read(const struct json_at *at, double radius, struct scene_inlet *out);
+/* Reads an inlet of a body of particles, whose name and radius are known. The caller calls
+ * inlet_free, after a failure, too. */
+pdyn_status inlet_read(const struct json_at *at, const struct scene_body *body,
+                       struct scene_inlet *out);
 void inlet_free(pdyn_context *context, struct scene_inlet *inlet);
 
 pdyn_status outlet_read(const struct json_at *at, struct scene_outlet *out);

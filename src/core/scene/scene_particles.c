@@ -21,7 +21,7 @@ static pdyn_status read_fill(struct reader *r, const struct json_at *at, int ind
 }
 
 static pdyn_status read_inlet(struct reader *r, const struct json_at *at, int index) {
-    return inlet_read(at, r->body->radius, &r->body->inlet[index]);
+    return inlet_read(at, r->body, &r->body->inlet[index]);
 }
 
 /* Reads the number of particles that inlets may add. Default: all that they emit, and at least 1,
