@@ -174,6 +174,9 @@ MISTAKES = [
     Mistake("times in frames", change(("solids.1", {**BALL, "motion": [{"time": 24}, {"time": 48, "translate": [0, 1, 0]}]}), *WATER_ONLY),
             "its motion begins at 24 s, but the scene ends at 0.06 s [never]"),
     Mistake("an outlet that was to be outside", change(("outlets", [ALL]), *WATER_ONLY), "[outlet]"),
+    Mistake("an inlet that lies in a cloth", change(("bodies.0.particles", {"radius": 0.02, "inlets": [
+        {**JET, "disc": {"center": [0, 0.24, 0], "radius": 0.05}}]}), ("bodies.1.surface.translate", [0, 0.25, 0])),
+            'water: inlet 0 moves its layers through "sheet", near', "of it [blocked]"),
     Mistake("an inlet that points out of its tank", change(("bodies.0.particles", {"radius": 0.02, "inlets": [
         {**JET, "disc": {"center": [0.2, 0.2, 0], "radius": 0.05}, "direction": [1, 0, 0]}]}), *WATER_ONLY),
             'solid "tank" covers 5 particles of a layer, the first at (0.22, 0.16, 0) m, and none is left to flow in', codes=(2, 2)),
