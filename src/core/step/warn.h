@@ -20,7 +20,7 @@ pdyn_status warn_of_scene(struct pdyn_sim *sim);
 /* The same about meshes, about inlets, outlets and times, about values in a wrong unit or with a
  * wrong sign, and about surfaces in a fluid: parts of it. */
 void warn_of_meshes(struct pdyn_sim *sim);
-void warn_of_flow(struct pdyn_sim *sim);
+pdyn_status warn_of_flow(struct pdyn_sim *sim);
 void warn_of_values(struct pdyn_sim *sim);
 void warn_of_water(struct pdyn_sim *sim);
 

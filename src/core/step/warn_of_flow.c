@@ -1,5 +1,6 @@
 /* Warnings about inlets and outlets, and about what would begin after the end of the scene. */
 #include "base/registry.h"
+#include "geometry/mesh_query.h"
 #include "live_particles.h"
 #include "scene/inlet_motion.h"
 #include "sim.h"
@@ -29,77 +30,53 @@ static void check_cover(struct pdyn_sim *sim, const pdyn_body *body, int number,
          cover->solid->name, effect);
 }
 
-/* Six times the volume of a tetrahedron, m^3. */
-static double volume6(const double *a, const double *b, const double *c, const double *d) {
-    double n[3], e[3];
-    vec3_normal(n, a, b, c);
-    vec3_subtract(e, d, a);
-    return vec3_dot(n, e);
-}
-
-/* Whether the segment from p to q crosses a triangle. */
-static bool crosses(double triangle[3][3], const double p[3], const double q[3]) {
-    const double *a = triangle[0], *b = triangle[1], *c = triangle[2];
-    double side = volume6(p, q, a, b);
-    return volume6(a, b, c, p) * volume6(a, b, c, q) < 0.0 && side * volume6(p, q, b, c) >= 0.0 &&
-           side * volume6(p, q, c, a) >= 0.0;
-}
-
-/* The way of particle k of a layer: from one spacing behind the opening to half a spacing in front
- * of it. */
-static void way_of(const struct scene_inlet *inlet, int k, double spacing, double p[3],
-                   double q[3]) {
+/* Whether the surface lies in the way of a layer, which goes from behind the opening to where it is
+ * free; x: where, m. */
+static bool is_in_way(const struct mesh_query *surface, const struct scene_inlet *inlet,
+                      double spacing, double x[3]) {
+    const double part = 0.125; /* of a spacing, between two places on the way */
     double direction[3];
     inlet_direction(inlet, 0.0, direction);
-    memcpy(p, inlet->layer.x + 3 * (size_t)k, 3 * sizeof *p);
-    inlet_place(inlet, 0.0, p);
-    memcpy(q, p, 3 * sizeof *q);
-    vec3_add(p, -spacing, direction), vec3_add(q, 0.5 * spacing, direction);
-}
-
-/* Particle of a layer whose way crosses the surface; -1: none. */
-static int find_crossing(const struct pdyn_sim *sim, const struct scene_inlet *inlet,
-                         double spacing, const pdyn_body *surface) {
-    double p[3], q[3], corner[3][3];
-    struct box ways = box_empty;
-    for (int k = 0; k < inlet->layer.count; k++)
-        way_of(inlet, k, spacing, p, q), box_add(&ways, p), box_add(&ways, q);
-    for (int t = 0; t < surface->triangles; t++) {
-        for (int i = 0; i < 3; i++) {
-            size_t vertex = (size_t)surface->first + (size_t)surface->triangle[3 * t + i];
-            memcpy(corner[i], sim->x + 3 * vertex, sizeof corner[i]);
-        }
-        struct box box = box_around(corner[0], 3);
-        for (int k = 0; box_overlaps(&box, &ways) && k < inlet->layer.count; k++) {
-            way_of(inlet, k, spacing, p, q);
-            if (crosses(corner, p, q)) return k;
+    for (int k = 0; k < inlet->layer.count; k++) {
+        memcpy(x, inlet->layer.x + 3 * (size_t)k, 3 * sizeof *x);
+        inlet_place(inlet, 0.0, x);
+        vec3_add(x, -INLET_BEHIND * spacing, direction);
+        for (double at = -INLET_BEHIND; at <= INLET_STAGGER; at += part) {
+            if (mesh_query_is_close(surface, x, 0.5 * part * spacing)) return true;
+            vec3_add(x, part * spacing, direction);
         }
     }
-    return -1;
+    return false;
 }
 
 /* Layers move through a surface that lies in their way: no step solves that with contact. */
-static void check_ways(struct pdyn_sim *sim, const pdyn_body *body, int number) {
+static pdyn_status check_way(struct pdyn_sim *sim, const pdyn_body *body, int number,
+                             const struct scene_body *surface) {
     const struct scene_inlet *inlet = &sim->scene.body[body - sim->body].inlet[number];
-    double spacing = 2.0 * body->radius, p[3], q[3];
-    for (int b = 0; b < sim->bodies && sim->scene.has_contact; b++) {
-        if (sim->body[b].permeability > 0.0) continue;
-        int k = find_crossing(sim, inlet, spacing, &sim->body[b]);
-        if (k < 0) continue;
-        way_of(inlet, k, spacing, p, q);
+    double spacing = 2.0 * body->radius, x[3];
+    struct mesh_query query;
+    pdyn_status status = mesh_query_create(sim->context, &surface->mesh, &query);
+    if (status != PDYN_OK) return status;
+    if (is_in_way(&query, inlet, spacing, x))
         WARN(sim, BLOCKED, body->name,
              "inlet %d moves its layers through \"%s\", near (%.4g, %.4g, %.4g) m; expected no "
              "surface from %.4g m behind the opening to %.4g m in front of it",
-             number, sim->body[b].name, p[0], p[1], p[2], spacing, 0.5 * spacing);
-    }
+             number, surface->name, x[0], x[1], x[2], INLET_BEHIND * spacing,
+             INLET_STAGGER * spacing);
+    mesh_query_free(sim->context, &query);
+    return PDYN_OK;
 }
 
-static void check_inlet(struct pdyn_sim *sim, const pdyn_body *body, int number) {
+static pdyn_status check_inlet(struct pdyn_sim *sim, const pdyn_body *body, int number) {
     const struct scene_inlet *inlet = &sim->scene.body[body - sim->body].inlet[number];
+    pdyn_status status = PDYN_OK;
     check_cover(sim, body, number, &inlet->left_out, "these do not enter");
     check_cover(sim, body, number, &inlet->covered,
                 "these enter all the same, as inlet or solid moves, and may burst out");
-    check_ways(sim, body, number);
+    for (int b = 0; b < sim->bodies && sim->scene.has_contact && status == PDYN_OK; b++)
+        if (sim->body[b].triangles && sim->body[b].permeability == 0.0)
+            status = check_way(sim, body, number, &sim->scene.body[b]);
+    return status;
 }
 
 /* ---- outlets --------------------------------------------------------------------------------- */
@@ -149,11 +126,13 @@ static void check_times_of_body(struct pdyn_sim *sim, const struct scene_body *b
 
 /* ---- all ------------------------------------------------------------------------------------- */
 
-void warn_of_flow(struct pdyn_sim *sim) {
-    for (int b = 0; b < sim->bodies; b++) {
+pdyn_status warn_of_flow(struct pdyn_sim *sim) {
+    pdyn_status status = PDYN_OK;
+    for (int b = 0; b < sim->bodies && status == PDYN_OK; b++) {
         const struct scene_body *body = &sim->scene.body[b];
         check_times_of_body(sim, body);
-        for (int k = 0; k < body->inlets; k++) check_inlet(sim, &sim->body[b], k);
+        for (int k = 0; k < body->inlets && status == PDYN_OK; k++)
+            status = check_inlet(sim, &sim->body[b], k);
         if (body_is_particles(&sim->body[b])) check_outlets(sim, &sim->body[b]);
     }
     for (int s = 0; s < sim->scene.solids; s++) {
@@ -161,4 +140,5 @@ void warn_of_flow(struct pdyn_sim *sim) {
         if (motion->keys > 1)
             check_time(sim, sim->scene.solid[s].name, "its motion", motion->key[0].time);
     }
+    return status;
 }

@@ -324,17 +324,16 @@ pdyn_status warn_of_scene(struct pdyn_sim *sim) {
     check_elements(sim);
     for (int k = 0; k < sim->constraints; k++) check_stiffness(sim, k);
     check_contact(sim);
-    warn_of_flow(sim);
+    pdyn_status status = warn_of_flow(sim);
     warn_of_values(sim);
     warn_of_water(sim);
     for (int s = 0; s < sim->scene.solids; s++) check_points(sim, s);
-    for (int b = 0; b < sim->bodies; b++) {
+    for (int b = 0; b < sim->bodies && status == PDYN_OK; b++) {
         check_constraints(sim, b);
         check_effect(sim, b);
-        pdyn_status status = check_places(sim, b);
-        if (status != PDYN_OK) return status;
+        status = check_places(sim, b);
         check_density(sim, b);
         check_overlap(sim, b);
     }
-    return PDYN_OK;
+    return status;
 }
