@@ -20,6 +20,7 @@ enum side { BOTH, AT_MOST, AT_LEAST };
 
 enum fault {
     NONE,
+    ROUNDED, /* not a fault: where the limit does not act, p is u up to rounding */
     /* project */
     WRONG_LENGTH, /* another size than the limit, on one side */
     WRONG_SHORT,  /* the same, on the other side */
@@ -243,6 +244,7 @@ static void project_element(const pdyn_batch *b, int e) {
     memcpy(p, u, (size_t)n * sizeof *p);
     size = size_of(u);
     if (now.fault == NEIGHBOUR && e) size = fmax(size, size_of(u - n));
+    for (int k = 0; k < n && now.fault == ROUNDED; k++) p[k] = u[k] * 1.1 / 1.1;
     if (!acts(size, limit)) return;
     if (now.shape == AREA) project_area(u, target_of(size, limit), p);
     else vec3_project_length(p, u, target_of(size, limit));
@@ -309,6 +311,7 @@ static pdyn_param_fault resolve(void *par, const pdyn_scene_info *scene) {
 /* The limit over the size at rest; BEND: 2 sin(angle / 2) at most. */
 static double default_limit(void) {
     if (now.fault == NEVER) return now.side == AT_MOST ? 100.0 : 0.0;
+    if (now.fault == ROUNDED) return 1.4; /* acts in the crumpled state alone */
     if (now.fault == TANGENT_ALWAYS_ONE && now.side == AT_MOST) return 1.7; /* few act */
     if (now.shape == BEND) return now.side == BOTH ? 0.3 : 0.5;
     return now.side == BOTH ? 1.0 : now.side == AT_MOST ? 1.1 : 0.9;
@@ -356,9 +359,10 @@ static void examine(const struct variant *variants, size_t count) {
 static void test_good(void **state) {
     (void)state;
     static const struct variant good[] = {
-        {NONE, EDGE, BOTH, NULL}, {NONE, EDGE, AT_MOST, NULL}, {NONE, EDGE, AT_LEAST, NULL},
-        {NONE, AREA, BOTH, NULL}, {NONE, AREA, AT_MOST, NULL}, {NONE, AREA, AT_LEAST, NULL},
-        {NONE, BEND, BOTH, NULL}, {NONE, BEND, AT_MOST, NULL},
+        {NONE, EDGE, BOTH, NULL},       {NONE, EDGE, AT_MOST, NULL}, {NONE, EDGE, AT_LEAST, NULL},
+        {NONE, AREA, BOTH, NULL},       {NONE, AREA, AT_MOST, NULL}, {NONE, AREA, AT_LEAST, NULL},
+        {NONE, BEND, BOTH, NULL},       {NONE, BEND, AT_MOST, NULL}, {ROUNDED, EDGE, AT_MOST, NULL},
+        {ROUNDED, AREA, AT_MOST, NULL},
     };
     EXAMINE(good);
 }
