@@ -194,6 +194,13 @@ static int elements_negative(const void *par, const pdyn_body *body) {
 
 static int elements_none(const void *par, const pdyn_body *body) { return 0 * elements(par, body); }
 
+/* The weight is that of the parameter, the force that of its default. */
+static void project_default(const void *par, const pdyn_batch *b, int first, int last) {
+    double part = params[0].def / ((const struct params *)par)->stiffness;
+    project(par, b, first, last);
+    for (int k = 3 * first; k < 3 * last; k++) b->p[k] = b->u[k] + part * (b->p[k] - b->u[k]);
+}
+
 static void test_values(void **state) {
     (void)state;
     pdyn_constraint_type t = good;
@@ -201,6 +208,7 @@ static void test_values(void **state) {
     t.project = project_part, wrong_expect(t, "does not write all of it");
     t.project = project_counting, wrong_expect(t, "project gives another p for the same elements");
     t.project = project_mean, wrong_expect(t, "project gives another p for the same elements");
+    t.project = project_default, wrong_expect(t, "p is not the closest point");
     t = good, t.weight = weight_negative, wrong_expect(t, "has the weight -1");
     t = good, t.select = select_beyond_body,
     wrong_expect(t, "selects particle 42, expected 12 to 41");
@@ -294,6 +302,21 @@ static void project_askew_compression(const void *par, const pdyn_batch *b, int 
 static void project_never(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     memcpy(b->p + 3 * first, b->u + 3 * first, 3 * (size_t)(last - first) * sizeof *b->p);
+}
+
+/* Right for elements without memory alone. */
+static void project_askew_damaged(const void *par, const pdyn_batch *b, int first, int last) {
+    project(par, b, first, last);
+    for (int e = first; e < last; e++)
+        if (((double *)b->memory)[e] > 0.0) project_askew(par, b, e, e + 1);
+}
+
+static void test_memory(void **state) {
+    (void)state;
+    pdyn_constraint_type t = good;
+    t.damping = NULL, t.damping_rest = NULL;
+    t.memory_size = sizeof(double), t.end = end_of_damage;
+    t.project = project_askew_damaged, wrong_expect(t, "p is not the closest point");
 }
 
 static void tangent_identity(const void *par, const pdyn_batch *b, int first, int last, double *J) {
@@ -548,15 +571,11 @@ static void test_solvers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_good),
-        cmocka_unit_test(test_vertices),
-        cmocka_unit_test(test_writes),
-        cmocka_unit_test(test_weights_that_change),
-        cmocka_unit_test(test_values),
-        cmocka_unit_test(test_energy),
-        cmocka_unit_test(test_numeric_tangent),
-        cmocka_unit_test(test_mathematics),
-        cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_good),        cmocka_unit_test(test_vertices),
+        cmocka_unit_test(test_writes),      cmocka_unit_test(test_weights_that_change),
+        cmocka_unit_test(test_values),      cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_energy),      cmocka_unit_test(test_numeric_tangent),
+        cmocka_unit_test(test_mathematics), cmocka_unit_test(test_solvers),
     };
     return cmocka_run_group_tests_name("wrong", tests, NULL, NULL);
 }
