@@ -1,8 +1,8 @@
 #!/bin/sh
 # Builds the library alone (no app, tests, bench, examples), installs it into an empty prefix, and builds
-# and runs tests/package from there with CMake and with pkg-config, each shared and static. Checks that
-# both libraries export the same symbols, all with the prefix pdyn_. Then the same without CHOLMOD, with the
-# program, which runs a scene.
+# and runs tests/package from there with CMake and with pkg-config, each shared and static, and with the source
+# as a subproject of meson. Checks that both libraries export the same symbols, all with the prefix pdyn_. Then
+# the same without CHOLMOD, with the program, which runs a scene.
 set -eu
 cd "$(dirname "$0")/.."
 scripts/install.sh gcc libc6-dev meson ninja-build pkg-config libsuitesparse-dev libjansson-dev zlib1g-dev cmake
@@ -71,6 +71,15 @@ echo "== pkg-config"
 build_with_pkg_config shared
 rm "$library"/libprojdyn.so* # the linker takes the static library where there is no shared one
 build_with_pkg_config static --static
+
+echo "== subproject of meson"
+mkdir -p "$dir/project/subprojects"
+cp tests/package/meson.build tests/package/package.c "$dir/project"
+ln -s "$PWD" "$dir/project/subprojects/projdyn"
+meson setup --wrap-mode=forcefallback "$dir-project" "$dir/project" >"$dir/said" || { cat "$dir/said"; exit 1; }
+ninja -C "$dir-project" >"$dir/said" || { cat "$dir/said"; exit 1; }
+"$dir-project/package"
+echo "subproject: ran"
 
 echo "== without CHOLMOD"
 install free -Dcholmod=disabled
