@@ -53,6 +53,8 @@ static void test_same_motion(void **state) {
     struct run pressures = pour(scene, "solver.type=dual", 1, 0.08);
     assert_int_equal(positions.unsolved, 0);
     assert_int_equal(pressures.unsolved, 0);
+    assert_int_equal(positions.dual_steps, 0);
+    assert_int_equal(pressures.dual_steps, pressures.steps);
     assert_true(fabs(pressures.kinetic - positions.kinetic) < 1e-3 * positions.kinetic);
     assert_true(test_distance(pressures.x, positions.x, 3) < 1e-6);
 }

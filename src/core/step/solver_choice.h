@@ -35,7 +35,7 @@ struct solver_choice {
     bool handed_over;           /* this step goes on with the solver that did not begin it */
     long wait, next;            /* steps between two trials; step of the next trial */
     int64_t opened;             /* objective.work at the beginning of this attempt at a step */
-    long dual_steps;            /* accepted steps with the second one */
+    long dual_steps;            /* accepted steps with a dual solver */
 };
 
 /* Creates the model that solvers get (sim->model), and the solver that the scene names or those
