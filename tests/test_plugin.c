@@ -88,6 +88,7 @@ static void test_plugins(void **state) {
     (void)state;
     refuse(&(pdyn_plugin){PDYN_ABI + 1, "p", NULL, NULL}, "expected abi");
     refuse(&(pdyn_plugin){PDYN_ABI, "", NULL, NULL}, "no name");
+    refuse(&(pdyn_plugin){PDYN_ABI, "p", NULL, NULL}, "no constraint and no solver");
     const pdyn_constraint_type *const twice[] = {&good, &good, NULL};
     refuse(&(pdyn_plugin){PDYN_ABI, "p", twice, NULL}, "the name \"mine\" is taken");
     pdyn_context *context = test_context(1);

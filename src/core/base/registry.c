@@ -102,7 +102,9 @@ static pdyn_status check_types(pdyn_context *context, const pdyn_plugin *plugin)
         status = table_check_solver(context, *s);
         if (status == PDYN_OK) status = check_name(context, plugin, (*s)->name, before);
     }
-    return status;
+    if (status != PDYN_OK || before) return status;
+    return context_fail(context, PDYN_BAD_INPUT,
+                        "plug-in \"%s\": it has no constraint and no solver", plugin->name);
 }
 
 pdyn_status pdyn_register(pdyn_context *context, const pdyn_plugin *plugin) {

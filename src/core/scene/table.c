@@ -73,6 +73,7 @@ void table_describe_number(const pdyn_param *param, int column, int vertices, ch
 static pdyn_status expected_table(const struct json_at *at, const pdyn_param *param, int rows) {
     char text[WHAT] = "an array of ";
     table_describe(param, rows, NULL, text, sizeof text);
+    if (rows) text_append(text, sizeof text, ", or one row for all");
     return json_expected(at, text);
 }
 
