@@ -191,13 +191,15 @@ static void test_viscosity(void **state) {
     "{'box': {'minimum': [-0.1, -0.005, -0.1], 'maximum': [0.1, 0.11, 0.1]}, 'velocity': [1, 0, "  \
     "0]}"
 #define BELOW "{'box': {'minimum': [-0.11, -0.075, -0.11], 'maximum': [0.11, 0.005, 0.09]}}"
+#define LAYERED_WATER(fill)                                                                        \
+    "{'name': 'water', 'particles': {'radius': 0.01, 'overlap': 'keep', 'fill': [" fill            \
+    "]}, 'constraints': [{'type': 'fluid'}]}"
+#define PINNED_SHEET(name, size, x)                                                                \
+    GRID_SHEET("'name': " name ", ", size ", " size, "6, 6",                                       \
+               "'translate': [" x ", 0, 0], 'area_density': 0.2", PINS("'all': true"))
 #define LAYERS(fill)                                                                               \
     SCENE("'duration': 1, 'gravity': [0, 0, 0]",                                                   \
-          PAIR("{'name': 'water', 'particles': {'radius': 0.01, 'overlap': 'keep', 'fill': [" fill \
-               "]}, 'constraints': [{'type': 'fluid'}]}",                                          \
-               GRID_SHEET("'name': 'sheet', ", "0.4, 0.4", "6, 6", "'area_density': 0.2",          \
-                          PINS("'all': true"))),                                                   \
-          "")
+          PAIR(LAYERED_WATER(fill), PINNED_SHEET("'sheet'", "0.4", "0")), "")
 
 /* Densities of water half a radius above, below, or on both sides of an uneven sheet; returns the
  * number of particles. */
@@ -263,13 +265,17 @@ struct seen { /* pairs of particles that see each other through a sheet of 0.1 x
     int east;    /* within its border at x = 0.05 m */
 };
 
-static struct seen see_through_sheet(const char *solids) {
+/* With another sheet as large, far away. change: "PATH=VALUE". */
+static struct seen see_through_sheet(const char *change) {
     struct seen seen = {0};
     pdyn_context *context = test_context(3);
     pdyn_sim *sim = NULL;
-    const char *const set[] = {"bodies.sheet.surface.grid.size=[0.1, 0.1]", solids};
-    assert_int_equal(
-        pdyn_load_text(context, quoted(LAYERS(ABOVE ", " BELOW)), "layers", set, 2, &sim), PDYN_OK);
+    static const char text[] =
+        SCENE("'duration': 1, 'gravity': [0, 0, 0]",
+              PAIR(PAIR(LAYERED_WATER(ABOVE ", " BELOW), PINNED_SHEET("'sheet'", "0.1", "0")),
+                   PINNED_SHEET("'other'", "0.1", "5")),
+              "");
+    assert_int_equal(pdyn_load_text(context, quoted(text), "layers", &change, 1, &sim), PDYN_OK);
     const pdyn_neighbours *l = neighbours_view(sim->objective.neighbours);
     int n = sim->body[0].count;
     for (int i = 0; i < n; i++)
@@ -291,17 +297,22 @@ static struct seen see_through_sheet(const char *solids) {
 }
 
 /* Around the border of a sheet and through a strip of half a spacing beside it, fluid interacts
- * with fluid, but not where a wall stands at the border; occlusion is symmetric. */
+ * with fluid, but not where a wall or another sheet closes the border; occlusion is symmetric. */
 static void test_hidden(void **state) {
     (void)state;
+    static const char *const closed[] = {
+        "solids=[{\"plane\": {\"center\": [0.055, 0, 0], \"normal\": [-1, 0, 0], \"size\": 0.4}}]",
+        "bodies.other.surface.translate=[0.101, 0, 0]"};
     struct seen open = see_through_sheet("solids=[]");
-    struct seen closed =
-        see_through_sheet("solids=[{\"plane\": {\"center\": [0.055, 0, 0], \"normal\": "
-                          "[-1, 0, 0], \"size\": 0.4}}]");
-    assert_true(open.across > 500 && open.east > 50 && closed.across > 500);
+    struct seen stack = see_through_sheet("bodies.other.surface.translate=[0, -0.001, 0]");
+    assert_true(open.across > 500 && open.east > 50 && stack.east > 50);
     assert_int_equal(open.through, 0);
-    assert_int_equal(closed.through, 0);
-    assert_int_equal(closed.east, 0);
+    for (int k = 0; k < 2; k++) {
+        struct seen seen = see_through_sheet(closed[k]);
+        assert_true(seen.across > 500);
+        assert_int_equal(seen.through, 0);
+        assert_int_equal(seen.east, 0);
+    }
 }
 
 /* ---- impacts --------------------------------------------------------------------------------- */

@@ -3,6 +3,8 @@
 #include "geometry/bvh.h"
 #include "geometry/distance.h"
 
+#include "projdyn/vec3.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -13,7 +15,8 @@ struct listing {
     int bodies;
     const pdyn_body *body;
     const double *rest;
-    const bool *at_solid;
+    int walls;
+    const struct border_wall *wall;
     struct box *box; /* of each triangle at rest */
     struct bvh tree; /* of these boxes */
     int first, last; /* triangles of the current body: first to before last */
@@ -33,16 +36,38 @@ static void add_side(void *user, int triangle) {
     memcpy(l->border->end + 2 * (size_t)to, l->end, sizeof l->end);
 }
 
-/* Side k of the body lies on its border: visits the triangles near it, unless a solid closes it. */
-static void visit_side(struct listing *l, const pdyn_body *body, int k,
-                       void (*visit)(void *user, int triangle)) {
+/* The place beyond the middle of side k of body b, in the plane of its triangle. */
+static void place_beyond(const struct listing *l, int b, int k, double distance, double place[3]) {
+    const pdyn_body *body = &l->body[b];
+    const double *x[3];
+    double side[3], out[3];
+    for (int m = 0; m < 3; m++) /* the ends of the side, the corner opposite to it */
+        x[m] = l->rest + 3 * (size_t)(body->first + body->triangle[k / 3 * 3 + (k + 1 + m) % 3]);
+    vec3_subtract(side, x[1], x[0]);
+    for (int a = 0; a < 3; a++) place[a] = 0.5 * (x[0][a] + x[1][a]), out[a] = place[a] - x[2][a];
+    vec3_add(out, -vec3_dot(out, side) / vec3_dot(side, side), side);
+    vec3_add(place, distance / vec3_length(out), out);
+}
+
+static bool is_closed(const struct listing *l, int b, int k) {
+    double distance = 0.5 * l->border->width, place[3];
+    place_beyond(l, b, k, distance, place);
+    for (int w = 0; w < l->walls; w++)
+        if (l->wall[w].body != b &&
+            mesh_query_is_close(&l->wall[w].query, place, distance * (1.0 + 1e-6)))
+            return true;
+    return false;
+}
+
+/* Side k of body b lies on its border: visits the triangles near it. */
+static void visit_side(struct listing *l, int b, int k, void (*visit)(void *user, int triangle)) {
+    const pdyn_body *body = &l->body[b];
     const int *corner = body->triangle + k / 3 * 3;
     struct box box = box_empty;
     for (int m = 0; m < 2; m++) {
         l->end[m] = body->first + corner[(k + 1 + m) % 3];
         box_add(&box, l->rest + 3 * (size_t)l->end[m]);
     }
-    if (l->at_solid[l->end[0]] && l->at_solid[l->end[1]]) return;
     box_grow(&box, l->border->width);
     bvh_visit(&l->tree, &box, 0, visit, l);
 }
@@ -53,7 +78,7 @@ static void visit_sides(struct listing *l, void (*visit)(void *user, int triangl
         const pdyn_body *body = &l->body[b];
         l->first = l->last, l->last += hiding_triangles(body);
         for (int k = 0; k < 3 * hiding_triangles(body); k++)
-            if (body->across[k] < 0) visit_side(l, body, k, visit);
+            if (body->across[k] < 0 && !is_closed(l, b, k)) visit_side(l, b, k, visit);
     }
 }
 
@@ -87,10 +112,10 @@ static pdyn_status list_sides(struct listing *l) {
 }
 
 pdyn_status border_create(pdyn_context *context, int bodies, const pdyn_body *body,
-                          const double *rest, const bool *at_solid, double width,
-                          struct border *out) {
+                          const double *rest, int walls, const struct border_wall *wall,
+                          double width, struct border *out) {
     struct listing l = {
-        .border = out, .bodies = bodies, .body = body, .rest = rest, .at_solid = at_solid};
+        .border = out, .bodies = bodies, .body = body, .rest = rest, .walls = walls, .wall = wall};
     out->context = context, out->width = width;
     for (int b = 0; b < bodies; b++) out->triangles += hiding_triangles(&body[b]);
     if (!out->triangles || width == 0.0) return PDYN_OK;

@@ -71,31 +71,30 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
     return status;
 }
 
-/* Vertices of sheets within a distance, m, of a solid. */
-static pdyn_status find_vertices_at_solids(const struct pdyn_sim *sim, double distance,
-                                           bool *at_solid) {
-    for (int k = 0; k < sim->scene.solids; k++) {
-        struct mesh_query query;
-        pdyn_status status = mesh_query_create(sim->context, &sim->scene.solid[k].mesh, &query);
-        if (status != PDYN_OK) return status;
-        for (int b = 0; b < sim->bodies; b++) {
-            const pdyn_body *body = &sim->body[b];
-            for (int i = body->first; body->triangles && i < body->first + body->count; i++)
-                at_solid[i] |= mesh_query_is_close(&query, sim->x + 3 * (size_t)i, distance);
-        }
-        mesh_query_free(sim->context, &query);
+/* The surfaces of solids and of bodies that hide, as they start. */
+static pdyn_status make_walls(const struct pdyn_sim *sim, struct border_wall *wall) {
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < sim->scene.solids && status == PDYN_OK; k++, wall++) {
+        wall->body = -1;
+        status = mesh_query_create(sim->context, &sim->scene.solid[k].mesh, &wall->query);
     }
-    return PDYN_OK;
+    for (int b = 0; b < sim->bodies && status == PDYN_OK; b++, wall++) {
+        wall->body = b;
+        if (hiding_triangles(&sim->body[b]))
+            status = mesh_query_create(sim->context, &sim->scene.body[b].mesh, &wall->query);
+    }
+    return status;
 }
 
 static pdyn_status create_border(struct pdyn_sim *sim, double width) {
-    bool *at_solid = NEW_ARRAY(sim->context, sim->objective.particles, bool);
-    pdyn_status status = at_solid ? PDYN_OK : PDYN_NO_MEMORY;
-    if (status == PDYN_OK && width > 0.0) status = find_vertices_at_solids(sim, width, at_solid);
+    int walls = sim->scene.solids + sim->bodies;
+    struct border_wall *wall = NEW_ARRAY(sim->context, walls, struct border_wall);
+    pdyn_status status = wall ? make_walls(sim, wall) : PDYN_NO_MEMORY;
     if (status == PDYN_OK)
-        status = border_create(sim->context, sim->bodies, sim->body, sim->rest, at_solid, width,
+        status = border_create(sim->context, sim->bodies, sim->body, sim->rest, walls, wall, width,
                                &sim->border);
-    FREE_ARRAY(sim->context, at_solid, sim->objective.particles);
+    for (int k = 0; wall && k < walls; k++) mesh_query_free(sim->context, &wall[k].query);
+    FREE_ARRAY(sim->context, wall, walls);
     return status;
 }
 
