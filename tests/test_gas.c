@@ -268,10 +268,29 @@ static void test_refused(void **state) {
                "solver 'cholesky': constraint 'gas' on body 'ball' couples 386 vertices");
 }
 
+#define SINKING                                                                                    \
+    ", 'overpressure': [{'time': 0, 'overpressure': 0}, {'time': 1, 'overpressure': -2e5}]"
+
+/* A change of a parameter follows the rule that the scene does, as do keys. */
+static void test_refused_change(void **state) {
+    (void)state;
+    static const char message[] = "overpressure: a gas has a pressure above 0";
+    double vacuum = -2e5;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = load_good(context, "'gravity': [0, 0, 0]", ball_mesh(), GAS(""), "");
+    assert_int_equal(pdyn_set_parameter(sim, 0, "overpressure", &vacuum, 1), PDYN_BAD_INPUT);
+    assert_non_null(strstr(pdyn_last_error(context), message));
+    assert_true(pdyn_get_parameter(sim, 0, 0).value == 0.0);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    refuse("'gravity': [0, 0, 0]", ball_mesh(), GAS(SINKING), "", message);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_laws),   cmocka_unit_test(test_tension), cmocka_unit_test(test_fall),
-        cmocka_unit_test(test_pump),   cmocka_unit_test(test_linear),  cmocka_unit_test(test_off),
-        cmocka_unit_test(test_refused)};
+        cmocka_unit_test(test_laws),    cmocka_unit_test(test_tension),
+        cmocka_unit_test(test_fall),    cmocka_unit_test(test_pump),
+        cmocka_unit_test(test_linear),  cmocka_unit_test(test_off),
+        cmocka_unit_test(test_refused), cmocka_unit_test(test_refused_change)};
     return cmocka_run_group_tests_name("gas", tests, test_enter_directory, test_leave_directory);
 }

@@ -18,9 +18,9 @@
  * and write only what belongs to them, run on any thread and in any order, keep no state of their
  * own, and cannot fail.
  *
- * A program may change parameters between two steps (pdyn_set_parameter). Core then calls `select`
- * and `weight` again; the numbers of elements and rows must not depend on the new value, otherwise
- * core refuses it. */
+ * A program may change parameters between two steps (pdyn_set_parameter), and keys of a scene do.
+ * Core then calls `resolve`, `select` and `weight` again; a value is refused for which `resolve`
+ * reports a fault, or which gives other numbers of elements or rows. */
 #ifndef PROJDYN_MODULE_H
 #define PROJDYN_MODULE_H
 
@@ -93,7 +93,7 @@ typedef struct pdyn_param {
     const char *doc;
 } pdyn_param;
 
-/* The scene around a constraint, from which `resolve` computes parameters. */
+/* The scene around a constraint when it was read, from which `resolve` computes parameters. */
 typedef struct pdyn_scene_info {
     double gravity[3];   /* m/s^2 */
     double radius;       /* m, of the body's particles; 0 for a surface */
@@ -407,8 +407,11 @@ typedef struct pdyn_constraint_type {
     /* Names of parameters of which a scene gives at most one: none of them is required and at most
      * one has a default. Ends with NULL. NULL: there are no alternatives. */
     const char *const *alternatives;
-    /* Computes parameters from other parameters and from the scene. Core calls it once, when it
-     * reads the scene; a fault is an error of the scene. NULL: nothing to compute. */
+    /* Computes parameters from other parameters and from the scene, and checks rules between them.
+     * Core calls it when it reads the scene, where a fault is an error of the scene, and each time
+     * a parameter changes, where a fault refuses the change. It gets the parameters as they were
+     * given, none that it computed before, and the scene as it was read. The order of calls must
+     * not matter. NULL: nothing to compute. */
     pdyn_param_fault (*resolve)(void *params, const pdyn_scene_info *scene);
     size_t data_size; /* bytes of `data` per element */
     /* Number of elements on this body, 0 or more. NULL: `update` returns it. */

@@ -2,9 +2,9 @@
 #include "base/registry.h"
 #include "base/text.h"
 #include "contact_stiffness.h"
+#include "derived.h"
 #include "file_ref.h"
 #include "fingerprint.h"
-#include "head.h"
 #include "inlet.h"
 #include "inlet_cover.h"
 #include "keyed.h"
@@ -57,26 +57,12 @@ static pdyn_status check_others(struct reader *r, const struct json_at *at, int 
 
 /* ---- derived parameters ---------------------------------------------------------------------- */
 
-/* Of all fluids, at their start. */
-static double count_particles(const struct scene *scene) {
-    double count = 0.0;
-    for (int b = 0; b < scene->bodies; b++) count += scene->body[b].start.count;
-    return count;
-}
-
 /* Lets a constraint compute parameters from the scene, e.g. a stiffness from the head. */
 static pdyn_status resolve(const struct reader *r, const struct json_at *at,
-                           const struct scene_body *body, const struct scene_constraint *c) {
-    const struct scene_settings *settings = &r->scene->settings;
-    pdyn_scene_info info = {.radius = body->radius,
-                            .rest_density = body->rest_density,
-                            .head = scene_head(r->scene, body),
-                            .kernel = settings->kernel,
-                            .size = 2.0 * body->radius * cbrt(count_particles(r->scene)),
-                            .step = settings->h_fixed > 0.0 ? settings->h_fixed : settings->h_max};
-    if (!body->has_mesh) info.pressure = scene_pressure(r->scene, body);
-    memcpy(info.gravity, settings->gravity, sizeof info.gravity);
-    pdyn_param_fault fault = c->type->resolve(c->params, &info);
+                           const struct scene_body *body, struct scene_constraint *c) {
+    pdyn_status status = derived_create(r->context, r->scene, body, c);
+    if (status != PDYN_OK) return status;
+    pdyn_param_fault fault = derived_compute(c);
     if (!fault.message) return PDYN_OK;
     struct json_at param = json_member(at, fault.param ? fault.param : "");
     return json_fail(fault.param ? &param : at, "%s", fault.message);
@@ -88,8 +74,7 @@ static pdyn_status resolve_all(struct reader *r, const struct json_at *at, int i
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < body->constraints && status == PDYN_OK; k++) {
         struct json_at constraint = json_element(&array, (size_t)k);
-        if (body->constraint[k].type->resolve)
-            status = resolve(r, &constraint, body, &body->constraint[k]);
+        status = resolve(r, &constraint, body, &body->constraint[k]);
     }
     return status;
 }
@@ -235,7 +220,8 @@ static void free_body(pdyn_context *context, struct scene_body *body) {
         struct scene_constraint *constraint = &body->constraint[k];
         keyed_free(context, constraint);
         if (!constraint->params) continue;
-        params_free(context, constraint->type->params, constraint->params);
+        params_free(context, constraint->type->params, derived_given(constraint));
+        derived_free(context, constraint);
         context_resize(context, constraint->params, constraint->type->params_size, 0);
     }
     FREE_ARRAY(context, body->constraint, body->constraints);

@@ -73,8 +73,10 @@ struct scene_keyed {         /* a parameter that changes over time */
 
 struct scene_constraint {
     const pdyn_constraint_type *type;
-    void *params;       /* type->params_size bytes, filled by the table type->params */
-    double from, until; /* s: it acts in the steps that begin in this time; 0, INFINITY: always */
+    void *params;         /* type->params_size bytes, filled by the table type->params */
+    void *given;          /* `params` before type->resolve, with the same arrays; NULL without it */
+    pdyn_scene_info info; /* for type->resolve */
+    double from, until;   /* s: it acts in the steps that begin in this time; 0, INFINITY: always */
     int keyed_params;
     struct scene_keyed *keyed; /* parameters with keys; `params` has their first values */
 };

@@ -2,6 +2,7 @@
  * masses and the state at the start. */
 #include "base/registry.h"
 #include "build.h"
+#include "scene/derived.h"
 #include "sim.h"
 
 #include <string.h>
@@ -174,7 +175,9 @@ static void find_others(struct pdyn_sim *sim) {
             const struct scene_constraint *c = &sim->scene.body[b].constraint[k];
             for (const pdyn_param *p = c->type->params; p->name; p++) {
                 pdyn_other *other = (pdyn_other *)param_other(p, c->params);
-                if (other && other->name) other->body = find_body(sim, other->name);
+                if (!other || !other->name) continue;
+                other->body = find_body(sim, other->name);
+                *(pdyn_other *)param_other(p, derived_given(c)) = *other;
             }
         }
 }

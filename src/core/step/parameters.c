@@ -3,6 +3,7 @@
 #include "base/bad_call.h"
 #include "base/text.h"
 #include "forces.h"
+#include "scene/derived.h"
 #include "scene/keyed.h"
 #include "scene/params.h"
 #include "scene/table.h"
@@ -20,6 +21,20 @@ enum { LARGEST = 3, NAMES = 64 }; /* numbers of a value other than a path; param
 
 static bool is_damped(const struct batch *b) {
     return b->type->damping && b->type->damping(b->params) > 0.0;
+}
+
+static bool has_damper(const struct pdyn_sim *sim, int constraint) {
+    const struct objective *objective = &sim->objective;
+    const struct batch *changed = objective->batch[constraint];
+    bool found = false;
+    for (int b = 0; b < objective->batches; b++)
+        found |= objective->batch[b]->damper && batch_belongs_to(objective->batch[b], changed);
+    return found;
+}
+
+/* The parameter as it was given, before the type computes others from it. */
+static void *given_field(const struct pdyn_sim *sim, int constraint, const pdyn_param *p) {
+    return (char *)derived_given(sim->constraint[constraint]) + p->offset;
 }
 
 /* Refreshes the constraint and its damper. */
@@ -88,26 +103,50 @@ static pdyn_status check_path(const struct batch *b, const pdyn_param *p, const 
                 : fail_value(b, p, "4 finite numbers for each key: an ascending time and a vector");
 }
 
+/* Computes the parameters that depend on changed ones, and checks the rules of the type. */
+static pdyn_status derive(struct pdyn_sim *sim, int constraint) {
+    const struct batch *b = sim->objective.batch[constraint];
+    pdyn_param_fault fault = derived_compute(sim->constraint[constraint]);
+    bool damped = has_damper(sim, constraint);
+    if (fault.message)
+        return context_fail(b->context, PDYN_BAD_INPUT, "constraint \"%s\" on body \"%s\": %s%s%s",
+                            b->type->name, b->view.body->name, fault.param ? fault.param : "",
+                            fault.param ? ": " : "", fault.message);
+    if (is_damped(b) == damped) return PDYN_OK;
+    return context_fail(b->context, PDYN_BAD_INPUT,
+                        "constraint \"%s\" on body \"%s\": damping must stay %s", b->type->name,
+                        b->view.body->name,
+                        damped ? "above 0 while the simulation runs"
+                               : "0 while the simulation runs: to change it, give it a value above "
+                                 "0 in the scene");
+}
+
 /* Writes `size` bytes into a parameter; writes the old ones back where the constraint does not
  * accept them. */
 static pdyn_status exchange(struct pdyn_sim *sim, int constraint, void *field, const void *next,
                             size_t size) {
-    const struct batch *b = sim->objective.batch[constraint];
     double before[LARGEST];
-    bool damped = is_damped(b);
-    pdyn_status status = PDYN_OK;
     memcpy(before, field, size), memcpy(field, next, size);
-    if (is_damped(b) != damped)
-        status = context_fail(b->context, PDYN_BAD_INPUT,
-                              "constraint \"%s\" on body \"%s\": damping must stay %s",
-                              b->type->name, b->view.body->name,
-                              damped ? "above 0 while the simulation runs"
-                                     : "0 while the simulation runs: to change it, give it a value "
-                                       "above 0 in the scene");
-    else status = refresh(sim, constraint);
+    pdyn_status status = derive(sim, constraint);
+    bool refused = status != PDYN_OK;
+    if (!refused) status = refresh(sim, constraint);
     if (status == PDYN_OK) return PDYN_OK;
     memcpy(field, before, size);
+    derived_compute(sim->constraint[constraint]);
+    if (refused) return status;
     return refresh(sim, constraint) == PDYN_NO_MEMORY ? PDYN_NO_MEMORY : status;
+}
+
+/* A path is read in every step: without parameters that depend on it, nothing else changes. */
+static pdyn_status set_path(struct pdyn_sim *sim, int constraint, const pdyn_param *p,
+                            const double *value, int count) {
+    pdyn_path *field = given_field(sim, constraint, p), before = *field, next = {0};
+    pdyn_status status = keyed_set_path(sim->context, &next, value, count / 4);
+    if (status != PDYN_OK) return status;
+    if (!sim->constraint[constraint]->given) *field = next;
+    else status = exchange(sim, constraint, field, &next, sizeof next);
+    keyed_free_path(sim->context, status == PDYN_OK ? &before : &next);
+    return status;
 }
 
 /* ---- tables ---------------------------------------------------------------------------------- */
@@ -148,7 +187,7 @@ static pdyn_status check_table(const struct batch *b, const pdyn_param *p, const
 static pdyn_status set_table(struct pdyn_sim *sim, int constraint, const pdyn_param *p,
                              const double *value, int count) {
     const struct batch *b = sim->objective.batch[constraint];
-    pdyn_table *field = (pdyn_table *)((char *)b->params + p->offset), before = *field, next = {0};
+    pdyn_table *field = given_field(sim, constraint, p), before = *field, next = {0};
     int rows = rows_of(b, p), width = param_width(p);
     double *numbers = table_allocate(b->context, p, rows ? rows : count / width, &next);
     if (!numbers) return PDYN_NO_MEMORY;
@@ -160,16 +199,15 @@ static pdyn_status set_table(struct pdyn_sim *sim, int constraint, const pdyn_pa
 
 static pdyn_status set_values(struct pdyn_sim *sim, int constraint, const pdyn_param *p,
                               const double *value, int count) {
-    void *field = (char *)sim->objective.batch[constraint]->params + p->offset;
-    if (p->kind == PDYN_PATH) return keyed_set_path(sim->context, field, value, count / 4);
-    return param_is_table(p)
-               ? set_table(sim, constraint, p, value, count)
-               : exchange(sim, constraint, field, value, (size_t)count * sizeof *value);
+    if (p->kind == PDYN_PATH) return set_path(sim, constraint, p, value, count);
+    if (param_is_table(p)) return set_table(sim, constraint, p, value, count);
+    return exchange(sim, constraint, given_field(sim, constraint, p), value,
+                    (size_t)count * sizeof *value);
 }
 
 pdyn_status parameters_follow(struct pdyn_sim *sim, int constraint, const pdyn_param *p,
                               const double *value) {
-    const void *field = (const char *)sim->objective.batch[constraint]->params + p->offset;
+    const void *field = given_field(sim, constraint, p);
     const double *now = param_is_table(p) ? ((const pdyn_table *)field)->value : field;
     int numbers = param_numbers(p);
     bool same = !memcmp(now, value, (size_t)numbers * sizeof *value);
@@ -225,12 +263,11 @@ static bool persist_value(const struct batch *b, const pdyn_param *p, double *fi
                           struct snapshot_file *file) {
     int count = p->kind == PDYN_VECTOR ? 3 : 1;
     double before[LARGEST];
-    bool damped = is_damped(b);
     size_t size = (size_t)count * sizeof *field;
     memcpy(before, field, size);
     snapshot_file_bytes(file, field, size);
     bool changed = file->view.reading && memcmp(before, field, size) != 0;
-    bool valid = !changed || (check_value(b, p, field, count) == PDYN_OK && is_damped(b) == damped);
+    bool valid = !changed || check_value(b, p, field, count) == PDYN_OK;
     if (!valid || file->status != PDYN_OK) memcpy(field, before, size);
     snapshot_file_require(file, valid, "a parameter is out of bounds");
     return changed && valid;
@@ -240,7 +277,6 @@ static bool persist_value(const struct batch *b, const pdyn_param *p, double *fi
 static bool persist_table(const struct batch *b, const pdyn_param *p, pdyn_table *field,
                           struct snapshot_file *file) {
     int count = field->count, rows = rows_of(b, p), width = param_width(p);
-    bool damped = is_damped(b);
     size_t row = (size_t)width * sizeof(double);
     snapshot_file_count(file, &count, row, "the number of rows is out of range");
     bool absent = !count && !p->required && !params_has_default(p);
@@ -258,29 +294,33 @@ static bool persist_table(const struct batch *b, const pdyn_param *p, pdyn_table
     bool changed =
         file->status == PDYN_OK &&
         (count != field->count || (count && memcmp(value, field->value, (size_t)count * row)));
-    const pdyn_table before = *field;
+    pdyn_table dropped = changed ? *field : read;
     if (changed) *field = read;
-    bool kept = is_damped(b) == damped;
-    snapshot_file_require(file, kept, "damping appears or disappears");
-    pdyn_table dropped = changed && kept ? before : read;
-    if (!kept) *field = before;
     table_free(b->context, p, &dropped);
-    return changed && kept;
+    return changed;
 }
 
 static void persist_constraint(struct pdyn_sim *sim, int constraint, struct snapshot_file *file) {
     struct batch *b = sim->objective.batch[constraint];
+    const struct scene_constraint *c = sim->constraint[constraint];
     bool off = b->off, changed = false;
     snapshot_file_flags(file, &off, 1, "the flag of a constraint is neither 0 nor 1");
     snapshot_file_require(file, !off || !b->op, "a matrix-free constraint is off");
     for (const pdyn_param *p = b->type->params; p->name && file->status == PDYN_OK; p++) {
-        void *field = (char *)b->params + p->offset;
+        void *field = given_field(sim, constraint, p);
         if (!param_is_changeable(b->type, p)) continue;
         if (p->kind == PDYN_PATH) keyed_persist_path(b->context, field, file);
         else if (param_is_table(p)) changed |= persist_table(b, p, field, file);
         else changed |= persist_value(b, p, field, file);
+        changed |= p->kind == PDYN_PATH && c->given; /* others may depend on it */
     }
-    if (!file->view.reading || file->status != PDYN_OK || (!changed && off == b->off)) return;
+    if (!file->view.reading) return;
+    /* After a failure, too: the arrays that `params` points to may have been freed. */
+    bool accepted = !derived_compute(c).message;
+    snapshot_file_require(file, accepted, "a constraint type refuses its parameters");
+    snapshot_file_require(file, is_damped(b) == has_damper(sim, constraint),
+                          "damping appears or disappears");
+    if (file->status != PDYN_OK || (!changed && off == b->off)) return;
     switch_batches(sim, constraint, off);
     file->status = refresh(sim, constraint);
 }

@@ -35,25 +35,44 @@ static void follow_gravity(struct pdyn_sim *sim) {
     if (memcmp(gravity, now, sizeof gravity)) control_set_gravity(sim, gravity);
 }
 
-static pdyn_status follow_keys(struct pdyn_sim *sim, int k, const struct scene_constraint *c) {
-    pdyn_status status = PDYN_OK;
+/* Sets every parameter to the value of its keys at a time. Returns the status of the last one that
+ * is refused. */
+static pdyn_status set_all(struct pdyn_sim *sim, int k, const struct scene_constraint *c,
+                           double time) {
+    pdyn_status status = PDYN_OK, last;
     double value[3];
-    for (int m = 0; m < c->keyed_params && status == PDYN_OK; m++) {
+    for (int m = 0; m < c->keyed_params && status != PDYN_NO_MEMORY; m++) {
         if (!is_followed(&c->keyed[m])) continue;
-        path_at(&c->keyed[m].path, sim->time, value);
-        sim->control.driven = true;
-        status = parameters_follow(sim, k, c->keyed[m].param, value);
+        path_at(&c->keyed[m].path, time, value);
+        last = parameters_follow(sim, k, c->keyed[m].param, value);
+        if (last != PDYN_OK) status = last;
     }
     return status;
 }
 
-/* Sets the value of every key once: a constraint may refuse one, which is an error of the scene. */
-static pdyn_status try_keys(struct pdyn_sim *sim, int k, const struct scene_keyed *keyed) {
-    const double *key = keyed->path.key, *end = key + 4 * keyed->path.count;
+/* A type may refuse a value only until another parameter has its own: as many rounds as there are
+ * parameters find an order. */
+static pdyn_status follow_to(struct pdyn_sim *sim, int k, const struct scene_constraint *c,
+                             double time) {
+    pdyn_status status = set_all(sim, k, c, time);
+    for (int m = 1; m < c->keyed_params && status == PDYN_BAD_INPUT; m++)
+        status = set_all(sim, k, c, time);
+    return status;
+}
+
+static pdyn_status follow_keys(struct pdyn_sim *sim, int k, const struct scene_constraint *c) {
+    for (int m = 0; m < c->keyed_params; m++) sim->control.driven |= is_followed(&c->keyed[m]);
+    return follow_to(sim, k, c, sim->time);
+}
+
+/* Goes through the times of all keys of a parameter: a constraint may refuse a value, which is an
+ * error of the scene. */
+static pdyn_status try_keys(struct pdyn_sim *sim, int k, const struct scene_constraint *c,
+                            const pdyn_path *path) {
+    const double *key = path->key, *end = key + 4 * path->count;
     char text[CONTEXT_ERROR];
     pdyn_status status = PDYN_OK;
-    for (; key < end && status == PDYN_OK; key += 4)
-        status = parameters_follow(sim, k, keyed->param, key + 1);
+    for (; key < end && status == PDYN_OK; key += 4) status = follow_to(sim, k, c, key[0]);
     if (status != PDYN_BAD_INPUT) return status;
     text_clip(text, sizeof text, pdyn_last_error(NULL));
     return context_fail(sim->context, status, "%s: key at %.10g s: %s", sim->scene.file, key[-4],
@@ -65,7 +84,7 @@ static pdyn_status try_keys(struct pdyn_sim *sim, int k, const struct scene_keye
 static pdyn_status start_one(struct pdyn_sim *sim, int k, const struct scene_constraint *c) {
     pdyn_status status = PDYN_OK;
     for (int m = 0; m < c->keyed_params && status == PDYN_OK; m++)
-        status = try_keys(sim, k, &c->keyed[m]);
+        status = try_keys(sim, k, c, &c->keyed[m].path);
     if (status == PDYN_OK) status = follow_keys(sim, k, c);
     return status == PDYN_OK && c->from > 0.0 ? pdyn_enable(sim, k, false) : status;
 }
