@@ -9,6 +9,7 @@ from ctypes import byref, c_void_p, sizeof
 from typing import Any, Callable, NoReturn, Optional
 
 from ._library import lib
+from ._paths import flag
 from ._structs import Log, Options
 from .errors import Error, InputError, error_of, wrong_type
 
@@ -78,7 +79,8 @@ def new_context(threads: int, allow_plugins: bool) -> Handle:
         raise wrong_type("threads", "a whole number", threads) from None
     options, out = Options(), c_void_p()
     lib.pdyn_default_options_sized(byref(options), sizeof(options))
-    options.threads, options.log, options.refuse_scene_plugins = threads, _log, not allow_plugins
+    options.threads, options.log = min(threads, 2**31 - 1), _log
+    options.refuse_scene_plugins = not flag(allow_plugins, "allow_plugins")
     if lib.pdyn_create_sized(byref(options), sizeof(options), byref(out)):
         raise InputError(last_error())
     return Handle(out.value or 0, lib.pdyn_destroy)

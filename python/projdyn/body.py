@@ -6,12 +6,12 @@ from typing import Any, Callable, Optional
 
 import numpy as np
 
-from ._arrays import address, doubles, number, view
+from ._arrays import address, doubles, number, numbers, rows, view
 from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
 from ._structs import BodyInfo
-from .errors import InputError, wrong_type
+from .errors import InputError
 from .inlet import Inlet
 from .solid import Load, load_by
 
@@ -119,35 +119,33 @@ class Body(Fixed):
     def set_forces(self, forces: Any) -> None:
         """Sets the force on the particles, N, until it is set again. forces: n x 3; three numbers
         for every particle alike; or None: no force."""
-        rows = None if forces is None else self._rows(forces, "forces")
-        self._call(lib.pdyn_set_forces, rows)
+        self._call(lib.pdyn_set_forces, None if forces is None else rows(forces, len(self), "forces"))
 
     def add_forces(self, forces: Any) -> None:
         """Adds to the force on the particles, N, n x 3, or three numbers."""
-        self._call(lib.pdyn_add_forces, self._rows(forces, "forces"))
+        self._call(lib.pdyn_add_forces, rows(forces, len(self), "forces"))
 
     def set_positions(self, positions: Any) -> None:
         """Places the particles, n x 3, m. The body does not pass what lies between."""
-        rows = doubles(positions, (len(self), 3), "positions")
-        self._call(lib.pdyn_set_positions, rows)
+        self._call(lib.pdyn_set_positions, doubles(positions, (len(self), 3), "positions"))
 
     def set_velocities(self, velocities: Any) -> None:
         """Sets the velocities, m/s, n x 3, or three numbers."""
-        self._call(lib.pdyn_set_velocities, self._rows(velocities, "velocities"))
+        self._call(lib.pdyn_set_velocities, rows(velocities, len(self), "velocities"))
 
     def hold(self, vertex: Any, target: Any, stiffness: float = 1e5) -> None:
         """Pulls a vertex to the target, three numbers, m, by a spring of the stiffness, N/m. Held
         again, the target moves. Several vertices: an array of n, targets n x 3."""
-        vertices = np.atleast_1d(vertex)
-        shape = (len(vertices), 3) if np.ndim(vertex) else (3,)
+        particles = self._particles(vertex)
+        shape = (len(particles), 3) if np.ndim(vertex) else (3,)
         points = doubles(target, shape, "target").reshape(-1, 3)
         k = number(stiffness, "stiffness")
-        for particle, point in zip([self._particle(v) for v in vertices], points):
+        for particle, point in zip(particles, points):
             self._handle.call(lib.pdyn_hold, particle, k, address(point))
 
     def release(self, vertex: Any) -> None:
         """Ends the hold of a vertex, or of several."""
-        for particle in [self._particle(v) for v in np.atleast_1d(vertex)]:
+        for particle in self._particles(vertex):
             self._handle.call(lib.pdyn_release, particle)
 
     # ---- parts ----------------------------------------------------------------------------------
@@ -163,18 +161,17 @@ class Body(Fixed):
     def _info(self) -> BodyInfo:
         return body_info(self._handle, self._index)
 
-    def _rows(self, values: Any, what: str) -> np.ndarray:
-        if np.shape(values) == (3,):
-            values = np.tile(values, (len(self), 1))
-        return doubles(values, (len(self), 3), what)
+    def _call(self, function: Callable[..., int], values: Optional[np.ndarray]) -> None:
+        self._handle.call(function, self.particles.start, len(self), address(values))
 
-    def _call(self, function: Callable[..., int], rows: Optional[np.ndarray]) -> None:
-        self._handle.call(function, self.particles.start, len(self), address(rows))
-
-    def _particle(self, vertex: int) -> int:
-        if not isinstance(vertex, (int, np.integer)):
-            raise wrong_type("vertex", "a whole number, or an array of them", vertex)
-        if not 0 <= vertex < len(self):
-            raise InputError(f"{self.name}: expected a vertex from 0 to {len(self) - 1}, found "
-                             f"{vertex}")
-        return self.particles.start + vertex
+    def _particles(self, vertex: Any) -> list[int]:
+        """The particles of a vertex, or of an array of them."""
+        found = numbers(vertex, "vertex")
+        if found.ndim > 1:
+            raise InputError(f"vertex: expected a whole number, or an array of n, found {found.ndim} dimensions")
+        if found.size and (dtype := np.asarray(vertex).dtype).kind == "f":
+            raise TypeError(f"vertex: expected a whole number, or an array of them, found {dtype}")
+        wrong = found[(found < 0) | (found >= len(self))]
+        if len(wrong):
+            raise InputError(f"{self.name}: expected a vertex from 0 to {len(self) - 1}, found {wrong[0]:.17g}")
+        return [self.particles.start + int(v) for v in found.flat]

@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._arrays import address, doubles, view
+from ._arrays import address, numbers, view
 from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
-from ._paths import text
+from ._paths import flag, text
 from ._structs import ConstraintInfo, ParameterInfo, VectorInfo
 from .solid import Load
 
@@ -69,9 +69,8 @@ class Constraint(Fixed):
     def __setitem__(self, name: str, value: Any) -> None:
         """Changes a parameter from the next step on: a number; three numbers for a vector; n x 4
         for the keys of a path (time and three numbers); the rows of a table, or one row for all."""
-        numbers = doubles(np.ravel(value), (None,), text(name, "name"))
-        self._handle.call(lib.pdyn_set_parameter, self._index, name.encode(), address(numbers),
-                          len(numbers))
+        flat = np.ravel(numbers(value, text(name, "name")))
+        self._handle.call(lib.pdyn_set_parameter, self._index, name.encode(), address(flat), len(flat))
 
     @property
     def enabled(self) -> bool:
@@ -80,7 +79,7 @@ class Constraint(Fixed):
 
     @enabled.setter
     def enabled(self, enabled: bool) -> None:
-        self._handle.call(lib.pdyn_enable, self._index, enabled)
+        self._handle.call(lib.pdyn_enable, self._index, flag(enabled, "enabled"))
 
     # ---- results at the end of the last step ----------------------------------------------------
 
@@ -124,8 +123,8 @@ class Constraint(Fixed):
                                       sizeof(info))
             if info.name is None:
                 return found
-            numbers = np.array(view(info.value, (info.count,), self._handle))
-            found[info.name.decode()] = _rows(numbers, info.width)
+            values = np.array(view(info.value, (info.count,), self._handle))
+            found[info.name.decode()] = _rows(values, info.width)
 
     # ---- parts ----------------------------------------------------------------------------------
 
@@ -141,8 +140,8 @@ class Constraint(Fixed):
         return energy, distance
 
 
-def _rows(numbers: np.ndarray, width: int) -> np.ndarray:
+def _rows(values: np.ndarray, width: int) -> np.ndarray:
     """The numbers of a vector or of a path (width 0), or of a table with rows of this width."""
-    if width == 1 or (width == 0 and len(numbers) == 3):
-        return numbers
-    return numbers.reshape(-1, width or 4)
+    if width == 1 or (width == 0 and len(values) == 3):
+        return values
+    return values.reshape(-1, width or 4)

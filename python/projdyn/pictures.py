@@ -7,7 +7,7 @@ import pathlib
 from typing import Any, Optional, Union
 
 from ._json import json_text
-from ._paths import Path
+from ._paths import Path, path as path_of
 from ._program import run_program
 
 
@@ -35,8 +35,19 @@ class Picture:
                 f'<video src="data:video/{kind};base64,{data}" controls loop muted autoplay></video>')
 
 
+def _two(values: Any, what: str, between: str) -> str:
+    """Two numbers as an option."""
+    if not isinstance(values, (tuple, list)) or len(values) != 2:
+        raise TypeError(f"{what}: expected two numbers, found {values!r}")
+    return between.join(map(str, values))
+
+
 def _range(frames: Optional[tuple[int, int]]) -> Optional[str]:
-    return frames and f"{frames[0]}:{frames[1]}"
+    return None if frames is None else _two(frames, "frames", ":")
+
+
+def _file(path: Path, what: str) -> str:
+    return os.fsdecode(path_of(path, what))
 
 
 def render(directory: Path, file: Path, *, size: tuple[int, int] = (1280, 720),
@@ -53,8 +64,9 @@ def render(directory: Path, file: Path, *, size: tuple[int, int] = (1280, 720),
     as [{"time": 0, "yaw": 0}, {"time": 1, "yaw": 90}], or a file of them. turntable: length of a film
     that goes once around a frame, s. InputError: an option or the directory is not valid.
     """
-    keys = json_text("camera", camera) if isinstance(camera, list) else camera and os.fspath(camera)
-    run_program("render", directory, output=os.fspath(file), size=f"{size[0]}x{size[1]}", time=time,
+    keys = (None if camera is None else
+            json_text("camera", camera) if isinstance(camera, list) else _file(camera, "camera"))
+    run_program("render", directory, output=_file(file, "file"), size=_two(size, "size", "x"), time=time,
                 frame=frame, frames=_range(frames), fps=fps, view=view, camera=keys, turntable=turntable)
     return Picture(pathlib.Path(file))
 
@@ -71,6 +83,6 @@ def mesh(directory: Path, *, format: str = "vtk", frames: Optional[tuple[int, in
 def usd(directory: Path, file: Optional[Path] = None) -> pathlib.Path:
     """Writes the frames of a run as one file of USD, and returns its path: `projdyn usd`. file: .usda or
     .usd, DIRECTORY/run.usda without it."""
-    path = pathlib.Path(directory, "run.usda") if file is None else pathlib.Path(file)
+    path = os.path.join(_file(directory, "directory"), "run.usda") if file is None else _file(file, "file")
     run_program("usd", directory, output=path)
-    return path
+    return pathlib.Path(path)

@@ -132,8 +132,7 @@ class Scene:
         list of these, for example spring={"stretching_stiffness": 500}, pin=[{...}, {...}].
         """
         name = self._name(name, "bodies", "body")
-        arrays = None if vertices is None else _mesh(name, vertices, triangles)
-        mesh = arrays.file if arrays else mesh
+        arrays, mesh = _shape(_mesh, name, vertices, triangles, mesh)
         surface = _given(grid=grid, mesh=mesh, scale=scale, rotate=rotate, translate=translate,
                          area_density=area_density, fluid_friction=fluid_friction,
                          permeability=permeability)
@@ -153,12 +152,10 @@ class Scene:
         add_cloth.
         """
         name = self._name(name, "bodies", "body")
-        arrays = None
-        if triangles is not None:
-            arrays = _mesh(name, vertices, triangles)
-        elif vertices is not None:
-            arrays = _tets(name, vertices, tets)
-        mesh = arrays.file if arrays else mesh
+        if tets is not None and triangles is not None:
+            raise InputError("triangles: expected tets or triangles, found both")
+        make, elements = (_tets, tets) if triangles is None else (_mesh, triangles)
+        arrays, mesh = _shape(make, name, vertices, elements, mesh)
         volume = _given(grid=grid, mesh=mesh, cell=cell, scale=scale, rotate=rotate, translate=translate,
                         density=density, fluid_friction=fluid_friction)
         return self._add_body(name, "volume", volume, _given(velocity=velocity, color=color),
@@ -180,8 +177,7 @@ class Scene:
         rad/s, at the start. Otherwise as add_cloth.
         """
         name = self._name(name, "bodies", "body")
-        arrays = None if vertices is None else _mesh(name, vertices, triangles)
-        mesh = arrays.file if arrays else mesh
+        arrays, mesh = _shape(_mesh, name, vertices, triangles, mesh)
         rigid = _given(box=None if box is None else _box(box), sphere=sphere, capsule=capsule,
                        mesh=mesh, cell=cell, scale=scale, rotate=rotate, translate=translate,
                        density=density, mass=mass, angular_velocity=angular_velocity, fluid_friction=fluid_friction)
@@ -204,6 +200,8 @@ class Scene:
         name = self._name(name, "bodies", "body")
         if not isinstance(fill, (list, tuple)):
             raise wrong_type("fill", "a list of dictionaries", fill)
+        if positions is None and velocities is not None:
+            raise InputError("velocities: expected them with positions; velocity is that of all particles")
         arrays = None if positions is None else _particles(name, positions, velocities)
         fill = [*fill, *([{"file": arrays.file}] if arrays else []),
                 *([{"box": _box(box)}] if box is not None else [])]
@@ -222,8 +220,7 @@ class Scene:
         scene file: open, scale, rotate, translate, motion, pivot.
         """
         name = self._name(name, "solids", "solid")
-        arrays = None if vertices is None else _mesh(name, vertices, triangles)
-        mesh = arrays.file if arrays else mesh
+        arrays, mesh = _shape(_mesh, name, vertices, triangles, mesh)
         self._append("solids", _given(name=name, box=None if box is None else _box(box), mesh=mesh,
                                       **keys), arrays)
         return name
@@ -294,6 +291,17 @@ def _mesh(name: str, vertices: Any, triangles: Any) -> _Arrays:
     x, t = doubles(vertices, (None, 3), "vertices"), indices(triangles, (None, 3), "triangles")
     return _Arrays(f"{name}.ply", lib.pdyn_scene_mesh, (len(x), address(x), len(t), address(t)),
                    (x, t))
+
+
+def _shape(make: Callable[[str, Any, Any], _Arrays], name: str, vertices: Any, elements: Any,
+           mesh: Optional[Path]) -> tuple[Optional[_Arrays], Optional[Path]]:
+    """The arrays of a mesh, if there are any, and its file."""
+    if vertices is None and elements is None:
+        return None, mesh
+    if mesh is not None:
+        raise InputError("mesh: expected a file or vertices, found both")
+    arrays = make(name, vertices, elements)
+    return arrays, arrays.file
 
 
 def _tets(name: str, vertices: Any, tets: Any) -> _Arrays:

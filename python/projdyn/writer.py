@@ -7,7 +7,7 @@ from typing import Any
 
 from ._handles import Handle
 from ._library import lib
-from ._paths import Path, path as path_of
+from ._paths import Path, flag, path as path_of
 from ._structs import StepInfo
 from .errors import wrong_type
 
@@ -25,6 +25,7 @@ class Writer:
 
     def __init__(self, handle: Handle, directory: Path, ply: bool, resume: bool) -> None:
         path = path_of(directory, "directory")
+        ply, resume = flag(ply, "ply"), flag(resume, "resume")
         self.directory = os.fspath(directory)
         writer = (handle.make(lib.pdyn_writer_resume, path) if resume
                   else handle.make(lib.pdyn_writer_open, path, ply))

@@ -93,7 +93,14 @@ class Control(unittest.TestCase):
         for text, call, arguments in (
                 ("a step from 1e-09 to 1000 s, found 0 s", sim.step, [0]),
                 ("a step from .*, found nan s", sim.step, [np.nan]),
-                ("h: expected the shape 1, found 2", sim.step, [[0.1, 0.2]]),
+                ("h: expected one number, found 2 numbers", sim.step, [[0.1, 0.2]]),
+                ("h: a number is too large", sim.step, [10**400]),
+                ("forces: expected the shape 81 x 3, found one number", sheet.set_forces, [3]),
+                ("forces: .* found rows of different lengths", sheet.set_forces, [[[1, 2], [3]]]),
+                ("damping: .* found rows of different lengths", spring.__setitem__, ["damping", [[1, 2], [3]]]),
+                ("velocities: expected numbers, found masked", sheet.set_velocities,
+                 [np.ma.masked_array([1, 2, 3], [0, 1, 0])]),
+                ("vertex: .* found 2 dimensions", sheet.release, [[[1, 2]]]),
                 ("a vertex from 0 to 80, found 81", sheet.hold, [81, [0, 0, 0]]),
                 ("a vertex from 0 to 80, found -1", sheet.release, [-1])):
             with self.assertRaisesRegex(projdyn.InputError, text):
@@ -101,9 +108,15 @@ class Control(unittest.TestCase):
         for text, call, arguments in (
                 ("h: expected numbers, found str", sim.step, ["fast"]),
                 ("name: expected a text, found int", spring.__setitem__, [0, 1]),
-                ("damping: expected numbers, found", spring.__setitem__, ["damping", "strong"]),
+                ("damping: expected numbers, found str$", spring.__setitem__, ["damping", "strong"]),
+                ("damping: expected numbers, found bool$", spring.__setitem__, ["damping", True]),
+                ("damping: expected numbers, found list with str$", spring.__setitem__, ["damping", [1, "2"]]),
+                ("forces: expected numbers, found ndarray of bool$", sheet.set_forces, [sheet.x > 0]),
+                ("forces: expected numbers, found ndarray of object$", sheet.set_forces,
+                 [np.array([1, "2", 3], object)]),
+                ("enabled: expected True or False, found str", spring.__class__.enabled.fset, [spring, "no"]),
                 ("vertex: expected a whole number, .* found float", sheet.hold, [1.5, [0, 0, 0]]),
-                ("vertex: expected a whole number, .* found str", sheet.release, ["two"]),
+                ("vertex: expected numbers, found str$", sheet.release, ["two"]),
                 ("stiffness: expected numbers, found str", sheet.hold, [1, [0, 0, 0], "soft"])):
             with self.assertRaisesRegex(TypeError, text):
                 call(*arguments)

@@ -178,7 +178,11 @@ class Mistakes(unittest.TestCase):
     def test_scene(self):
         scene = hanging_sheet(durration=3)
         self.fails('durration.*did you mean "duration"', scene.load)
-        self.fails("duration: .*JSON", hanging_sheet, duration=float("nan"))
+        self.fails("duration: expected a finite number .* found nan", hanging_sheet, duration=float("nan"))
+        self.fails("solver.tolerance: expected .* found 1000", hanging_sheet, solver={"tolerance": 10**300})
+        self.fails("gravity.1: expected .* found inf", hanging_sheet, gravity=np.array([0, np.inf, 0]))
+        self.fails("gravity: expected numbers, found masked", hanging_sheet,
+                   gravity=np.ma.masked_array([0, 1, 2], [0, 1, 0]))
 
     def test_arrays(self):
         vertices, triangles = square()
@@ -194,6 +198,14 @@ class Mistakes(unittest.TestCase):
         self.fails("box: expected the shape 2 x 3", scene.add_fluid, box=[1, 2], radius=0.1)
         self.fails("spring: expected the parameters", scene.add_cloth, vertices, triangles,
                    area_density=1, spring=3)
+        self.fails("mesh: expected a file or vertices", scene.add_cloth, vertices, triangles, area_density=1,
+                   mesh="a.obj")
+        self.fails("velocities: expected them with positions", scene.add_fluid, box=[[0] * 3, [1] * 3], radius=0.1,
+                   velocities=vertices)
+        self.fails("triangles: expected tets or triangles", scene.add_soft, vertices, [[0, 1, 2, 3]], density=1,
+                   triangles=triangles)
+        with self.assertRaisesRegex(TypeError, "vertices: expected numbers, found NoneType"):
+            scene.add_solid(triangles=triangles, mesh=None)
         self.assertEqual(scene["bodies"], [])
 
     def test_types(self):
@@ -210,7 +222,14 @@ class Mistakes(unittest.TestCase):
                            ("fill: expected a list", lambda: scene.add_fluid(radius=1, fill={"box": 1})),
                            ("directory: expected a path, found Scene", lambda: projdyn.render(scene, "x.png")),
                            ("directory: expected a path, found Scene", lambda: projdyn.replay(scene)),
-                           ("bodies.0: .* found object", lambda: scene.add_fluid(radius=object()))]:
+                           ("bodies.0.particles.radius: .* found object", lambda: scene.add_fluid(radius=object())),
+                           ("solver: a key: expected a text", lambda: projdyn.Scene(solver={3: 1})),
+                           ("size: expected two numbers, found 3", lambda: projdyn.render("o", "x.png", size=3)),
+                           ("frames: expected two numbers", lambda: projdyn.render("o", "x.mp4", frames=(1,))),
+                           ("camera: expected a path", lambda: projdyn.render("o", "x.png", camera=3)),
+                           ("file: expected a path", lambda: projdyn.render("o", 3)),
+                           ("file: expected a path", lambda: projdyn.usd("o", 3)),
+                           ("allow_plugins: expected True or False", lambda: projdyn.Scene(allow_plugins="no"))]:
             with self.assertRaisesRegex(TypeError, text):
                 call()
 
@@ -228,7 +247,7 @@ class Mistakes(unittest.TestCase):
         for text, keys in [('name: "sheet" is already taken', {"area_density": 1, "name": "sheet"}),
                            ('name: "wall" is already taken', {"area_density": 1, "name": "wall"}),
                            ("spring: expected the parameters", {"area_density": 1, "spring": 3}),
-                           ("bodies.1: .*JSON", {"area_density": float("nan")})]:
+                           ("bodies.1.surface.area_density: expected .* found nan", {"area_density": float("nan")})]:
             self.fails(text, scene.add_cloth, 2 * vertices, triangles, **{"name": "other", **keys})
         self.assertEqual(scene.to_text(), before)
         np.testing.assert_array_equal(scene.load().bodies["sheet"].x, vertices)
@@ -245,6 +264,7 @@ class Mistakes(unittest.TestCase):
 
     def test_threads(self):
         self.fails("expected 0 to 1024, found -1", projdyn.Scene, threads=-1)
+        self.fails("expected 0 to 1024, found 2147483647", projdyn.Scene, threads=2**32 + 1)
         with self.assertRaisesRegex(TypeError, "threads: expected a whole number, found float"):
             projdyn.Scene(threads=1.5)
 

@@ -71,7 +71,7 @@ class Steps(unittest.TestCase):
                            ("path: expected a path, found int", lambda: sim.save(3)),
                            ("state: expected a path, found NoneType", lambda: sim.restore(None)),
                            ("directory: expected a path, found int", lambda: sim.write(3)),
-                           ("points: expected numbers, found list", lambda: sim.fluid_at([[0, 0, None]]))]:
+                           ("points: expected numbers, found list with NoneType$", lambda: sim.fluid_at([[0, 0, None]]))]:
             with self.assertRaisesRegex(TypeError, text):
                 call()
         with tempfile.TemporaryDirectory() as directory, sim.write(directory) as writer:
