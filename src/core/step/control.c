@@ -24,12 +24,6 @@ bool control_has_failed(const char *function, const struct pdyn_sim *sim) {
 
 /* ---- batches and solvers after a change ------------------------------------------------------ */
 
-static pdyn_status make_solvers(struct pdyn_sim *sim) {
-    pdyn_status status = solver_choice_create(sim);
-    sim->objective.weights_revision++;
-    return status;
-}
-
 /* Whether the forces of a constraint type do not sum to zero: by its flag, or on solids. */
 static bool anchors(const struct pdyn_sim *sim, const pdyn_constraint_type *type) {
     bool on_solids =
@@ -60,7 +54,7 @@ pdyn_status control_settle(struct pdyn_sim *sim) {
     solver_choice_free(sim); /* solvers keep what they found out about the constraints */
     pdyn_status status = holds_make_batches(sim);
     control_find_anchored(sim);
-    if (status == PDYN_OK) status = make_solvers(sim);
+    if (status == PDYN_OK) status = solver_choice_create(sim);
     /* a failed simulation can be saved, which tries again */
     sim->control.stale = status != PDYN_OK;
     sim->failed |= status != PDYN_OK;
