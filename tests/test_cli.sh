@@ -139,6 +139,14 @@ expect "check tells the last frame" 0 "duration 0.1 s, a frame every 0.04 s, the
 expect "check tells velocities" 0 ", velocity (0.5, 0, -1) m/s" "$program" check "$scene" --set 'bodies.sheet.velocity=[0.5, 0, -1]'
 expect "check tells vectors" 0 "velocity (8, 0, 2) m/s" "$program" check "$root/scenes/flag.json" --set bodies.0.constraints.wind.velocity=[8,0,2]
 expect "check tells gravity" 0 "gravity (0, -9.81, 0) m/s^2" "$program" check "$scene"
+expect "check tells the viscosity that particles add" 0 "m; its particles add a viscosity of some 10 Pa s" \
+    "$program" check "$root/scenes/dam_break.json"
+expect "check tells it of half the spacing" 0 "m; its particles add a viscosity of some 9 Pa s" \
+    "$program" check "$scene" --set bodies.water.particles.radius=0.01
+viscosity_without_gravity() {
+    "$program" check "$scene" --set 'gravity=[0, 0, 0]' | awk '/add a viscosity/ { n++ } END { print n + 0, "viscosities" }'
+}
+expect "check knows no viscosity without gravity" 0 "0 viscosities" viscosity_without_gravity
 expect "check tells the bounds of solids" 0 "solid tank: from (" "$program" check "$scene"
 expect "check counts the samples of surfaces" 0 " samples of surfaces" "$program" check "$scene"
 expect "check says the memory" 0 " MB" "$program" check "$scene"
