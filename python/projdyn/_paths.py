@@ -6,23 +6,29 @@ from typing import Any, Union
 
 import numpy as np
 
-from .errors import wrong_type
+from .errors import InputError, wrong_type
 
 Path = Union[str, "os.PathLike[str]"]
 
 
 def text(value: Any, what: str) -> str:
-    """The text. TypeError: it is none."""
+    """The text. TypeError: it is none. InputError: it has a NUL, where C would end it."""
     if not isinstance(value, str):
         raise wrong_type(what, "a text", value)
-    return value
+    return _whole(value, "\0", what)
 
 
 def path(value: Any, what: str) -> bytes:
-    """The path as the library takes it. TypeError: it is none."""
+    """The path as the library takes it. Errors as of text."""
     if not isinstance(value, (str, bytes, os.PathLike)):
         raise wrong_type(what, "a path", value)
-    return os.fsencode(value)
+    return _whole(os.fsencode(value), b"\0", what)
+
+
+def _whole(value: Any, end: Any, what: str) -> Any:
+    if end in value:
+        raise InputError(f"{what}: expected no NUL character, found {value!r}")
+    return value
 
 
 def flag(value: Any, what: str) -> bool:

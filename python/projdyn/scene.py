@@ -322,7 +322,8 @@ def load(path: Path, overrides: Optional[dict[str, Any]] = None, *, threads: int
     if not isinstance(overrides, (dict, type(None))):
         raise wrong_type("overrides", "a dictionary", overrides)
     file, context = path_of(path, "path"), new_context(threads, allow_plugins)
-    texts = [f"{key}={json_text(key, value)}".encode() for key, value in (overrides or {}).items()]
+    texts = [f"{text(key, 'overrides: a key')}={json_text(key, value)}".encode()
+             for key, value in (overrides or {}).items()]
     sim = context.make(lib.pdyn_load, file, (c_char_p * len(texts))(*texts),
                        len(texts))
     return Simulation(Handle(sim, lib.pdyn_free, context))

@@ -255,6 +255,15 @@ class Mistakes(unittest.TestCase):
             scene.write(pathlib.Path(directory, "scene.json"))
             self.assertEqual({"scene.json", "sheet.ply", "wall.ply"}, set(os.listdir(directory)))
 
+    def test_nul(self):
+        """A text of C ends there: the rest would be left out."""
+        scene = hanging_sheet()
+        self.fails("path: .* no NUL", scene.__setitem__, "duration\0s", 3)
+        self.fails("path: .* no NUL", projdyn.load, "a.json\0b")
+        self.fails("a key: .* no NUL", projdyn.load, "a.json", {"duration\0s": 3})
+        self.fails("name: .* no NUL", scene.add_solid, name="a\0b")
+        self.assertEqual(scene["duration"], hanging_sheet()["duration"])
+
     def test_files(self):
         with self.assertRaisesRegex(projdyn.Error, "no_such.json"):
             projdyn.load("no_such.json")
