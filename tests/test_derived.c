@@ -121,11 +121,33 @@ static void test_keys(void **state) {
     assert_null(none);
 }
 
+/* A state that ends too early leaves parameters and what is computed from them as they were. */
+static void test_bad_state(void **state) {
+    (void)state;
+    static unsigned char bytes[1 << 16];
+    static const char plain[] = SCENE_OF("");
+    size_t size;
+    pdyn_sim *sim = test_load(context, plain);
+    good(pdyn_set_parameter(sim, 0, "path", (double[]){0, 1, 2, 3}, 4));
+    good(pdyn_save_memory(sim, bytes, sizeof bytes, &size));
+    good(pdyn_set_parameter(sim, 0, "first", (double[]){50.0}, 1));
+    good(pdyn_set_parameter(sim, 0, "path", (double[]){0, 4, 5, 6, 1, 0, 0, 0}, 8));
+    for (size_t part = size - 1; part > 0; part--) {
+        assert_int_equal(pdyn_restore_memory(sim, bytes, part), PDYN_BAD_INPUT);
+        assert_true(weight_of(sim) == 60.0 && pdyn_get_parameter(sim, 0, 0).value == 50.0);
+        assert_true(pdyn_get_vector(sim, 0, 0).value[3] == 6.0);
+    }
+    good(pdyn_restore_memory(sim, bytes, size));
+    assert_true(weight_of(sim) == 30.0 && pdyn_get_vector(sim, 0, 0).value[3] == 3.0);
+    pdyn_free(sim);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_derived),
         cmocka_unit_test(test_rule),
         cmocka_unit_test(test_keys),
+        cmocka_unit_test(test_bad_state),
     };
     return cmocka_run_group_tests_name("derived", tests, set_up, control_tear_down);
 }
