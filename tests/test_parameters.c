@@ -114,6 +114,22 @@ static void test_parameter_without_memory(void **state) {
     pdyn_destroy(small);
 }
 
+/* A state from before a program set a parameter that the scene leaves out. */
+static void test_absent_parameter(void **state) {
+    (void)state;
+    static unsigned char bytes[1 << 20];
+    size_t size;
+    pdyn_sim *water = test_load(context, fluid);
+    double damping = pdyn_get_parameter(water, 0, 4).value, other = damping + 0.25;
+    assert_string_equal(pdyn_get_parameter(water, 0, 4).name, "damping");
+    good(pdyn_save_memory(water, bytes, sizeof bytes, &size));
+    good(pdyn_set_parameter(water, 0, "damping", &other, 1));
+    assert_true(pdyn_get_parameter(water, 0, 4).value == other);
+    good(pdyn_restore_memory(water, bytes, size));
+    assert_true(pdyn_get_parameter(water, 0, 4).value == damping);
+    pdyn_free(water);
+}
+
 /* The volume term of "tet" has elements of its own, which cannot appear in a run. */
 static void test_elements_stay(void **state) {
     (void)state;
@@ -204,6 +220,7 @@ int main(void) {
         cmocka_unit_test(test_parameter_in_run),
         cmocka_unit_test(test_wrong_parameters),
         cmocka_unit_test(test_parameter_without_memory),
+        cmocka_unit_test(test_absent_parameter),
         cmocka_unit_test(test_elements_stay),
         cmocka_unit_test(test_enable),
         cmocka_unit_test(test_enable_without_parameters),

@@ -257,8 +257,14 @@ bool pdyn_is_enabled(const pdyn_sim *sim, int constraint) {
 
 /* ---- saved states ---------------------------------------------------------------------------- */
 
-/* Saves or reads a number; returns whether it has changed. A parameter that the scene leaves out
- * has a value outside of its bounds, which may be infinite. */
+/* Whether this is the value of a parameter that the scene leaves out, outside of its bounds. */
+static bool is_absent(const pdyn_param *p, const double *value, int count) {
+    bool absent = !p->required && !params_has_default(p);
+    for (int k = 0; k < count; k++) absent = absent && !memcmp(&value[k], &p->def, sizeof p->def);
+    return absent;
+}
+
+/* Saves or reads a number; returns whether it has changed. */
 static bool persist_value(const struct batch *b, const pdyn_param *p, double *field,
                           struct snapshot_file *file) {
     int count = p->kind == PDYN_VECTOR ? 3 : 1;
@@ -267,7 +273,8 @@ static bool persist_value(const struct batch *b, const pdyn_param *p, double *fi
     memcpy(before, field, size);
     snapshot_file_bytes(file, field, size);
     bool changed = file->view.reading && memcmp(before, field, size) != 0;
-    bool valid = !changed || check_value(b, p, field, count) == PDYN_OK;
+    bool valid =
+        !changed || is_absent(p, field, count) || check_value(b, p, field, count) == PDYN_OK;
     if (!valid || file->status != PDYN_OK) memcpy(field, before, size);
     snapshot_file_require(file, valid, "a parameter is out of bounds");
     return changed && valid;
