@@ -421,6 +421,8 @@ static void test_errors(void **state) {
          "probes[0].source: unknown source \"fluids\"; did you mean \"fluid\"?"},
         {"{'solid': 'tank', 'pin': 0}", "\"pin\" needs \"pins\""},
         {"{'solid': 'tnak'}", "unknown solid \"tnak\"; did you mean \"tank\"?"},
+        {"{'solid': 'water'}", "probes[0].solid: \"water\" is a body, expected the key \"body\""},
+        {"{'body': 'tank'}", "probes[0].body: \"tank\" is a solid, expected the key \"solid\""},
         {"{'pins': 'water'}", "probes[0].pins: expected a body with a \"pin\""},
         {"{'line': {'from': [0, 0, 0], 'to': [1, 1, 1], 'count': 1}}", "probes[0].line.count"},
         {"{'line': {'from': [0, 0, 0], 'count': 3}}", "probes[0].line.to: missing"},

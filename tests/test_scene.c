@@ -260,6 +260,12 @@ static void test_files(void **state) {
     test_write_text("folder/scene.json", "{\n  \"duration\": 1,\n  \"bodies\": [\n");
     assert_failure(read_scene("folder/scene.json", NULL, NULL, 0, &scene), &scene,
                    "folder/scene.json:4:1: not valid JSON: *");
+    test_write_text("folder/wall.OBJ", "v 0 0 0\n");
+    assert_failure(read_scene("folder/wall.OBJ", NULL, NULL, 0, &scene), &scene,
+                   "folder/wall.OBJ:1:1: not valid JSON: '[' or '{' expected near 'v'; a scene is "
+                   "JSON and names mesh files by "
+                   "the key \"mesh\"");
+    test_remove_file("folder/wall.OBJ");
     assert_int_equal(pdyn_bytes_in_use(context), 0);
     test_remove_file("folder/scene.json");
     test_remove_file("folder/wall.obj");

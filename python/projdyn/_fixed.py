@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 
 class Fixed:
-    """After fix(), only properties can be assigned; another name is an AttributeError."""
+    """After fix(), only properties with a setter can be assigned; another name is an
+    AttributeError, which lists the methods that set something."""
 
     _is_fixed = False
     _instead: dict[str, str] = {}  # what to use for an attribute that a similar class has
@@ -15,9 +16,16 @@ class Fixed:
         object.__setattr__(self, "_is_fixed", True)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if self._is_fixed and not isinstance(getattr(type(self), name, None), property):
-            raise AttributeError(f"{name} of {self!r} cannot be assigned: methods make changes")
+        if self._is_fixed and getattr(getattr(type(self), name, None), "fset", None) is None:
+            raise AttributeError(f"{name} of {self!r} cannot be assigned: {self._way(name)}")
         object.__setattr__(self, name, value)
+
+    def _way(self, name: str) -> str:
+        """How to change the object instead."""
+        setters = ", ".join(word for word in dir(self) if word.startswith("set_"))
+        if hasattr(type(self), "__setitem__"):
+            return f'parameters are items: ["{name}"] = ...'
+        return "methods make changes" + (setters and f", such as {setters}")
 
     def _hint(self, name: str) -> str:
         return self._instead[name]

@@ -278,9 +278,11 @@ class Control(unittest.TestCase):
     def test_what_cannot_be_assigned(self):
         sim = hanging_sheet().load()
         spring = sim.constraints["sheet", "spring"]
-        for thing, name in ((sim.bodies["sheet"], "x"), (sim.bodies["sheet"], "forces"),
-                            (sim, "graviti"), (sim, "time"), (spring, "stretching_stiffness")):
-            with self.assertRaises(AttributeError):
+        for thing, name, way in ((sim.bodies["sheet"], "x", "such as .*set_positions"),
+                                 (sim.bodies["sheet"], "forces", "such as .*set_forces"),
+                                 (sim, "graviti", "methods"), (sim, "time", "methods"),
+                                 (spring, "stretching_stiffness", "items: .\"stretching_stiffness\"")):
+            with self.assertRaisesRegex(AttributeError, f"{name} of .* cannot be assigned: .*{way}"):
                 setattr(thing, name, 0)
 
     def test_mistakes(self):

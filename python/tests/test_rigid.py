@@ -114,6 +114,8 @@ class Rigid(unittest.TestCase):
         for name in ("pose", "move"):
             with self.assertRaisesRegex(AttributeError, f"has no {name}: .*(position|set_pose)"):
                 getattr(box, name)
+        with self.assertRaisesRegex(AttributeError, "velocity of .* cannot be assigned: .*set_motion"):
+            box.velocity = [1, 0, 0]
         with self.assertRaisesRegex(AttributeError, "^'Body' object has no attribute 'place'$"):
             sheet.place
         scene = projdyn.Scene(threads=1)

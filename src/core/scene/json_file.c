@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 enum { PLACE = 1400, VALUE = 64 };
 
@@ -195,6 +196,15 @@ struct json_at json_element(const struct json_at *array, size_t index) {
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
+/* What a text that is no JSON may be. */
+static const char *syntax_hint(const struct json_file *file, const char *error) {
+    const char *end = strrchr(file->name, '.');
+    bool is_mesh =
+        end && (!strcasecmp(end, ".obj") || !strcasecmp(end, ".ply") || !strcasecmp(end, ".stl"));
+    if (is_mesh) return "; a scene is JSON and names mesh files by the key \"mesh\"";
+    return strstr(error, "near '/'") ? "; JSON has no comments" : "";
+}
+
 static pdyn_status parse(struct json_file *file) {
     json_error_t error = {.text = ""};
     char text[JSON_ERROR_TEXT_LENGTH];
@@ -212,8 +222,7 @@ static pdyn_status parse(struct json_file *file) {
     text_clip(text, sizeof text, error.text);
     return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s:%d:%d: not valid JSON: %s%s",
                         file->name, error.line < 1 ? 1 : error.line,
-                        error.column < 1 ? 1 : error.column, text,
-                        strstr(text, "near '/'") ? "; JSON has no comments" : "");
+                        error.column < 1 ? 1 : error.column, text, syntax_hint(file, text));
 }
 
 pdyn_status json_file_open(pdyn_context *context, const char *name, bool on_disk, const char *text,

@@ -5,6 +5,8 @@
 #include "projdyn/probe.h"
 #include "projdyn/vec3.h"
 
+#include <string.h>
+
 enum { MAX_POINTS = 1000 }; /* of a line */
 
 const pdyn_param scene_probe_params[] = {
@@ -87,6 +89,17 @@ static pdyn_status read_on(struct reader *r, const struct json_at *at, struct sc
     return status;
 }
 
+/* The name of a body where that of a solid is expected, or the reverse. */
+static pdyn_status check_kind(struct reader *r, const struct json_at *at, int count,
+                              const char *(*name)(const struct scene *scene, int k),
+                              const char *kind) {
+    const char *word = json_string_value(at->value);
+    for (int k = 0; word && k < count; k++)
+        if (!strcmp(word, name(r->scene, k)))
+            return json_fail(at, "\"%s\" is a %s, expected the key \"%s\"", word, kind, kind);
+    return PDYN_OK;
+}
+
 static pdyn_status read_target(struct reader *r, const struct json_at *at, const char *what,
                                int count, const char *(*name)(const struct scene *scene, int k),
                                struct scene_probe *probe) {
@@ -100,12 +113,16 @@ static pdyn_status read_target(struct reader *r, const struct json_at *at, const
 
 static pdyn_status read_solid(struct reader *r, const struct json_at *at,
                               struct scene_probe *probe) {
+    pdyn_status status = check_kind(r, at, r->scene->bodies, name_of_body, "body");
+    if (status != PDYN_OK) return status;
     if (!r->scene->solids) return json_fail_at_key(at, "\"solid\" needs a scene with solids");
     return read_target(r, at, "solid", r->scene->solids, name_of_solid, probe);
 }
 
 static pdyn_status read_body(struct reader *r, const struct json_at *at,
                              struct scene_probe *probe) {
+    pdyn_status status = check_kind(r, at, r->scene->solids, name_of_solid, "solid");
+    if (status != PDYN_OK) return status;
     return read_target(r, at, "body", r->scene->bodies, name_of_body, probe);
 }
 
