@@ -66,6 +66,11 @@ static int is_series(const struct dirent *entry) {
 static int find_series(struct run *run) {
     struct dirent **entry;
     int count = scandir(run->directory, &entry, is_series, compare_names);
+    if (count < 0 && errno == ENOTDIR)
+        return run_error(
+            "%s: expected the directory of a run, found a file; 'projdyn run NAME.json' "
+            "writes to out/NAME",
+            run->directory);
     if (count < 0)
         return run_error("%s: cannot read the directory: %s", run->directory, strerror(errno));
     run->body_list = json_array();

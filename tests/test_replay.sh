@@ -55,6 +55,7 @@ mv "$folder/ball.vtk" "$run/solids/ball.vtk"
 mkdir "$folder/empty"
 expect_error 2 "expected the output of a run" replay "$folder/empty"
 expect_error 2 "cannot read the directory" replay "$folder/nowhere"
+expect_error 2 "expected the directory of a run, found a file" replay "$run/report.json"
 expect_error 2 "expected one directory" replay
 expect_error 1 "cannot create the file" replay "$run" -o "$folder/nowhere/replay.html"
 [ ! -e "$run/replay.html" ] && [ ! -e "$run/replay.html.tmp" ] || fail "a bad run left a page"
