@@ -82,8 +82,9 @@ class Control(unittest.TestCase):
             mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nf 1 3 2\nf 2 3 4\n")
             name = recipe["add_character"](scene, mesh)
             sim = scene.load()
-        body = sim.bodies[name]
-        recipe["follow"](sim, name, lambda time: body.rest * [1 + time, 1, 1])
+            body = sim.bodies[name]
+            recipe["follow"](sim, name, lambda time: body.rest * [1 + time, 1, 1], folder)
+            self.assertTrue(pathlib.Path(folder, "character_000005.vtk").exists())
         self.assertEqual(sim.warnings, [])
         np.testing.assert_allclose(body.x, body.rest * [1.1, 1, 1], atol=0.01)
 
