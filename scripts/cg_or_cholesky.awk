@@ -8,7 +8,7 @@ $3 == tolerance && $4 == "cholesky" {
     cell[$1, $2] = sprintf("%s%.3g (%d) %s", solve < 3000 ? "" : "> ", ms / $6, solve, $12 == "inf" ? "never" : $12)
 }
 END {
-    printf "| n |"; for (k = 1; k <= numbers; k++) printf " %s |", number[k]; printf "\n|---|"
+    printf "| n; K h² / m: |"; for (k = 1; k <= numbers; k++) printf " %s |", number[k]; printf "\n|---|"
     for (k = 1; k <= numbers; k++) printf "---|"; printf "\n"
     for (i = 1; i <= sizes; i++) {
         printf "| %d |", size[i]; for (k = 1; k <= numbers; k++) printf " %s |", cell[size[i], number[k]]; printf "\n"
