@@ -64,7 +64,7 @@ void text_clip(char *text, size_t size, const char *from) {
     strcpy(text + keep, keep < length ? "..." : "");
 }
 
-/* Words of other programs, each before the key that has its meaning here. */
+/* Words of other programs, and keys at another place, each before the word that is meant. */
 static const char *const translations[][2] = {{"fps", "frame_interval"},
                                               {"framerate", "frame_interval"},
                                               {"frame_rate", "frame_interval"},
@@ -73,7 +73,17 @@ static const char *const translations[][2] = {{"fps", "frame_interval"},
                                               {"substeps", "time_step"},
                                               {"end", "duration"},
                                               {"time", "duration"},
-                                              {"end_time", "duration"}};
+                                              {"end_time", "duration"},
+                                              {"integrator", "time_step"},
+                                              {"cfl", "time_step"},
+                                              {"tolerance", "solver"},
+                                              {"friction", "contact"},
+                                              {"thickness", "contact"},
+                                              {"mesh", "surface"},
+                                              {"cloth", "surface"},
+                                              {"cloth", "spring"},
+                                              {"water", "fluid"},
+                                              {"cylinder", "mesh"}};
 
 static const char *translate(const char *word, const char *const *names, int count) {
     for (size_t k = 0; k < sizeof translations / sizeof *translations; k++)
