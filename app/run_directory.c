@@ -32,6 +32,11 @@ bool run_path(char path[RUN_PATH], const struct run *run, const char *name, cons
 
 static bool is_plain_name(const char *name) { return name && *name && !strchr(name, '/'); }
 
+/* The name of a body or a solid has at most PART_NAME bytes. */
+static bool is_part_name(const char *name) {
+    return is_plain_name(name) && strlen(name) <= PART_NAME;
+}
+
 /* Reads a file that must hold one JSON object. */
 static int load_json(const char *path, json_t **out) {
     char *text;
@@ -202,9 +207,9 @@ static int open_body(struct run *run, int b) {
     json_t *entry = json_array_get(run->body_list, (size_t)b);
     *part = (struct part){.kind = BODY, .folder = ""};
     part->name = json_string_value(json_object_get(entry, "name"));
-    if (!is_plain_name(part->name))
-        return run_error("%s/%s: bodies[%d]: expected a \"name\" without '/'", run->directory,
-                         run->source, b);
+    if (!is_part_name(part->name))
+        return run_error("%s/%s: bodies[%d]: expected a \"name\" without '/' of at most %d bytes",
+                         run->directory, run->source, b, PART_NAME);
     part->fluid = !run->report || has_constraint(run, part->name, "fluid");
     if (json_is_true(json_object_get(entry, "rigid"))) part->shape = "rigid";
     int code = part_open_series(run, part);
@@ -223,10 +228,10 @@ static int open_solid(struct run *run, int s) {
     if (!json_object_get(entry, "file")) return EXIT_GOOD;
     if (json_unpack(entry, "{s:s, s:s, s:b}", "name", &part.name, "kind", &part.shape, "moving",
                     &moving) ||
-        !is_plain_name(part.name))
+        !is_part_name(part.name))
         return run_error("%s/%s: solids[%d]: expected \"name\", \"kind\" and \"moving\", a name "
-                         "without '/'",
-                         run->directory, run->source, s);
+                         "without '/' of at most %d bytes",
+                         run->directory, run->source, s, PART_NAME);
     part.rest = !moving;
     int code = read_color(run, &part, entry, &part.color);
     if (code != EXIT_GOOD) return code;

@@ -9,7 +9,10 @@
 
 #include <jansson.h>
 
-enum { RUN_PATH = 4096 }; /* size of a path with its NUL */
+enum {
+    RUN_PATH = 4096, /* size of a path with its NUL */
+    PART_NAME = 64,  /* longest name of a body or a solid, bytes */
+};
 
 /* Values of points that the page can show as colours, and what it needs to draw water. */
 enum channel {

@@ -26,8 +26,7 @@ static const char usage[] =
     "  -h, --help         prints this text\n";
 
 enum {
-    PRIM_NAME = 128,            /* above the 64 characters that the name of a body has */
-    PRIM_SIZE = PRIM_NAME + 32, /* with room for the additions */
+    PRIM_SIZE = PART_NAME + 96, /* of the name of a prim, with room for additions */
 };
 
 struct stage {
@@ -85,6 +84,10 @@ static int put_constant(struct stage *stage, const struct part *part, const char
     return EXIT_GOOD;
 }
 
+static double time_code(const struct stage *stage, const struct part *part, int f) {
+    return round((part_time(part, f) - stage->start) * stage->rate * 1e6) * 1e-6;
+}
+
 /* A value for each frame. */
 static int put_samples(struct stage *stage, const struct part *part, const char *name,
                        put_fn *put) {
@@ -96,8 +99,7 @@ static int put_samples(struct stage *stage, const struct part *part, const char 
         struct vtk_frame frame;
         code = part_read_frame(stage->run, part, f, path, &frame);
         if (code != EXIT_GOOD) break;
-        double time = (part_time(part, f) - stage->start) * stage->rate;
-        fprintf(stage->file, "            %.10g: [", round(time * 1e6) * 1e-6);
+        fprintf(stage->file, "            %.10g: [", time_code(stage, part, f));
         put(stage->file, &frame);
         fputs("],\n", stage->file);
         vtk_frame_free(&frame);
@@ -120,7 +122,7 @@ static bool is_name_of_part(const struct run *run, const char *name) {
  */
 static void make_name(const struct run *run, const struct part *part, char name[PRIM_SIZE]) {
     bool digit = isdigit((unsigned char)*part->name);
-    int size = snprintf(name, PRIM_NAME, "%s%s", digit ? "_" : "", part->name);
+    int size = snprintf(name, PRIM_SIZE, "%s%s", digit ? "_" : "", part->name);
     for (char *c = name; *c; c++)
         if (!isalnum((unsigned char)*c)) *c = '_';
     bool changed = strcmp(name, part->name) != 0;
@@ -270,12 +272,13 @@ static int put_stage(struct stage *stage) {
     while (is_name_of_part(run, stage->looks)) strcat(stage->looks, "_");
     stage->start = part_time(first, 0);
     stage->rate = last ? 1.0 / (part_time(first, 1) - stage->start) : 24.0;
-    fprintf(stage->file,
-            "#usda 1.0\n(\n    defaultPrim = \"run\"\n    doc = \"projdyn %s\"\n"
-            "    metersPerUnit = 1\n    upAxis = \"Y\"\n    startTimeCode = 0\n"
-            "    endTimeCode = %d\n    timeCodesPerSecond = %.10g\n    framesPerSecond = %.10g\n)\n"
-            "\ndef Xform \"run\"\n{",
-            pdyn_version(), last, stage->rate, stage->rate);
+    fprintf(
+        stage->file,
+        "#usda 1.0\n(\n    defaultPrim = \"run\"\n    doc = \"projdyn %s\"\n"
+        "    metersPerUnit = 1\n    upAxis = \"Y\"\n    startTimeCode = 0\n"
+        "    endTimeCode = %.10g\n    timeCodesPerSecond = %.10g\n    framesPerSecond = %.10g\n)\n"
+        "\ndef Xform \"run\"\n{",
+        pdyn_version(), time_code(stage, first, last), stage->rate, stage->rate);
     for (int p = 0; p < run->parts && code == EXIT_GOOD; p++) code = put_part(stage, &run->part[p]);
     if (code == EXIT_GOOD) put_materials(stage);
     fputs("}\n", stage->file);

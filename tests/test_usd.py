@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -110,6 +111,29 @@ class Usd(unittest.TestCase):
         head, _, _ = self.stage("run/run.usda")
         self.assertEqual((head["upAxis"], head["metersPerUnit"], head["endTimeCode"]), ('"Y"', "1", "2"))
         self.assertAlmostEqual(float(head["timeCodesPerSecond"]), 1 / (self.times[1] - self.times[0]))
+
+    def test_uneven_times(self):
+        """Frames at any times, as a program writes them: the last one ends the stage."""
+        run = self.directory / "uneven"
+        shutil.copytree(self.directory / "run", run, ignore=shutil.ignore_patterns("mesh"))
+        for path in run.glob("**/*.vtk.series"):
+            series = json.loads(path.read_text())
+            series["files"][2]["time"] = 10 * series["files"][1]["time"]
+            path.write_text(json.dumps(series))
+        self.program("usd", "uneven")
+        head, prims, _ = self.stage("uneven/run.usda")
+        self.assertEqual((list(prims["sheet"]["points"]), head["endTimeCode"]), ([0.0, 1.0, 10.0], "10"))
+
+    def test_long_name(self):
+        """A name longer than that of any body has no room as the name of a prim."""
+        run = self.directory / "long"
+        shutil.copytree(self.directory / "run", run)
+        path, name = run / "report.json", 40 * "sheet"
+        path.write_text(path.read_text().replace('"sheet"', f'"{name}"'))
+        (run / "sheet.vtk.series").rename(run / f"{name}.vtk.series")
+        done = subprocess.run([PROJDYN, "usd", "long"], cwd=self.directory, text=True, stderr=subprocess.PIPE)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("bodies[1]: expected a \"name\" without '/' of at most 64 bytes", done.stderr)
 
     def test_surface(self):
         _, prims, _ = self.stage("run/run.usda")
