@@ -48,9 +48,11 @@ def _choose(columns: Iterable[str], known: list[str], where: Path) -> list[str]:
 
 
 def _read(file: pathlib.Path) -> dict[str, np.ndarray]:
-    """The columns of a CSV file of a run by their names; a row that is being written is left out."""
+    """The columns of a CSV file of a run by their names; a row that is being written is left out. An
+    empty cell stands for a number that is not finite."""
     names, *rows = [row.split(",") for row in file.read_text().rpartition("\n")[0].split("\n")]
-    return dict(zip(names, np.array(rows, float).reshape(-1, len(names)).T))
+    values = [[float(cell or "nan") for cell in row] for row in rows]
+    return dict(zip(names, np.reshape(values, (-1, len(names))).T))
 
 
 def _unit(column: str) -> str:

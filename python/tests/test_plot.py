@@ -96,6 +96,13 @@ class Plot(unittest.TestCase):
         with self.assertRaisesRegex(projdyn.InputError, "and a step in it"):
             projdyn.plot(empty)
 
+    def test_empty_cell(self):
+        """A number that is not finite has an empty cell, and is no point."""
+        run = pathlib.Path(self.folder.name, "not_finite")
+        run.mkdir()
+        (run / "metrics.csv").write_text("time_s,kinetic_J\n0.1,2\n0.2,\n")
+        np.testing.assert_array_equal(self.lines(projdyn.plot(run, "kinetic_J"))["kinetic_J"][:, 1], [2, np.nan])
+
 
 @unittest.skipUnless(matplotlib, "no matplotlib")
 class PlotSweep(unittest.TestCase):
