@@ -32,21 +32,47 @@ function coordinateRange(body, f, k, floor) {
   return [rest, 1 - rest].map((part) => low[k] + (high[k] - low[k]) * place(part));
 }
 
+/* The same for all three coordinates. */
+const coordinateRanges = (body, f, floor = -Infinity) => [0, 1, 2].map((k) => coordinateRange(body, f, k, floor));
+
+/* The smallest bounds around several. Bounds are three pairs, m. */
+const joinBounds = (list) => [0, 1, 2].map((k) =>
+  [Math.min(...list.map((bounds) => bounds[k][0])), Math.max(...list.map((bounds) => bounds[k][1]))]);
+
+/* Bounds of a part over all frames. */
+const boundsOf = ({ box: [low, high] }) => low.map((v, k) => [v, high[k]]);
+
+/* The frames that give the view, at most 80. */
+function framesOfView() {
+  const step = Math.max(1, Math.floor(frameCount() / 40));
+  return [...meta.times.keys()].filter((f) => f % step === 0);
+}
+
+/* Marks surfaces that leave the scene, such as a body that falls off a table: they count for the view at the start
+ * alone. The middle of what leaves is farther away than the size of the scene at the start, and something stays. */
+function markLeavers() {
+  const home = joinBounds([...meta.bodies.map((body) => coordinateRanges(body, 0)), ...solidParts().map(boundsOf)]);
+  const far = Math.hypot(...home.map(([a, b]) => b - a));
+  const isAway = (body, f) => coordinateRanges(body, f).some(([a, b], k) =>
+    0.5 * (a + b) < home[k][0] - far || 0.5 * (a + b) > home[k][1] + far);
+  const leavers = meta.bodies.filter((body) => framesOfView().some((f) => isAway(body, f)));
+  const somethingStays = leavers.length < meta.bodies.length + solidParts().length;
+  for (const body of leavers) body.leaves = somethingStays && body.triangles > 0;
+}
+
 /* Height below which particles have fallen out of the scene: half its height at the start below all solids and
  * surfaces. */
 function floorOfView() {
-  const firm = firmParts();
-  const tops = meta.bodies.map((body) => coordinateRange(body, 0, 1, -Infinity)[1]);
-  const low = Math.min(...firm.map((part) => part.box[0][1])), high = Math.max(...tops, ...firm.map((part) => part.box[1][1]));
+  const tops = meta.bodies.map((body) => coordinateRange(body, 0, 1, -Infinity)[1]), firm = firmBounds();
+  const low = Math.min(...firm.map(([, [a]]) => a)), high = Math.max(...tops, ...firm.map(([, [, b]]) => b));
   return firm.length ? low - 0.5 * (high - low) : -Infinity;
 }
 
 /* Extends the bounds by the boxes of parts that are not larger than `times` their largest side. */
 function includeParts(bounds, parts, times) {
   const largest = times * (Math.max(...bounds.map(([a, b]) => b - a)) || 1);
-  for (const { box: [low, high] } of parts)
-    if (high.every((v, k) => v - low[k] < largest))
-      bounds = bounds.map(([a, b], k) => [Math.min(a, low[k]), Math.max(b, high[k])]);
+  for (const box of parts.map(boundsOf))
+    if (box.every(([low, high]) => high - low < largest)) bounds = joinBounds([bounds, box]);
   return bounds;
 }
 
@@ -57,17 +83,12 @@ const isSubject = (solid) => !solid.rest || ["mesh", "sphere", "capsule"].includ
 const isTank = (solid, bounds) => solid.rest && solid.kind === "box" &&
   bounds.every(([a, b], k) => solid.box[0][k] < 0.5 * (a + b) && 0.5 * (a + b) < solid.box[1][k]);
 
-/* Bounds of the view: ranges of the coordinates of the bodies over all frames, of at most 40, solids to look at, and a
- * tank that does not make the bodies small. Three pairs, m. */
+/* Bounds of the view: ranges of the coordinates of the bodies over the frames, solids to look at, and a tank that does
+ * not make the bodies small. */
 function measureBounds() {
-  const bounds = [0, 1, 2].map(() => [Infinity, -Infinity]), step = Math.max(1, Math.floor(frameCount() / 40));
   const floor = floorOfView();
-  for (const body of meta.bodies)
-    for (let f = 0; f < frameCount(); f += step)
-      for (let k = 0; k < 3; k++) {
-        const [low, high] = coordinateRange(body, f, k, floor);
-        bounds[k] = [Math.min(bounds[k][0], low), Math.max(bounds[k][1], high)];
-      }
+  const bounds = joinBounds(meta.bodies.flatMap((body) =>
+    (body.leaves ? [0] : framesOfView()).map((f) => coordinateRanges(body, f, floor))));
   if (bounds[0][0] > bounds[0][1]) return [[0, 1], [0, 1], [0, 1]];
   const subjects = includeParts(bounds, meta.solids.filter(isSubject), 3);
   return includeParts(subjects, meta.solids.filter((solid) => isTank(solid, subjects)), 1.5);
@@ -83,14 +104,15 @@ function includeGround(bounds, ground) {
 /* The solids, or their boundary points if none has a mesh. */
 const solidParts = () => meta.solids.length ? meta.solids : meta.boundary;
 
-/* What particles do not pass: solids and surfaces. */
-const firmParts = () => [...solidParts(), ...meta.bodies.filter((body) => body.triangles)];
+/* Bounds of what particles do not pass, solids and surfaces, while they are in the scene. */
+const firmBounds = () => [...solidParts(), ...meta.bodies.filter((body) => body.triangles)]
+  .map((part) => part.leaves ? coordinateRanges(part, 0) : boundsOf(part));
 
 /* Height of the ground: below the bounds, solids and surfaces, and below all particles where nothing else is there:
  * single ones that have left a tank would let it float above the ground. m */
 function groundHeight(bounds) {
-  const floor = floorOfView(), firm = firmParts();
-  return Math.min(bounds[1][0], ...(firm.length ? firm : meta.bodies).map((part) => Math.max(floor, part.box[0][1])));
+  const floor = floorOfView(), firm = firmBounds(), parts = firm.length ? firm : meta.bodies.map(boundsOf);
+  return Math.min(bounds[1][0], ...parts.map(([, [low]]) => Math.max(floor, low)));
 }
 
 /* Bounds of a live view, whose later frames are not known: those of the first frame, with solids that are not much

@@ -51,6 +51,7 @@ class Renderer {
     this.gl = gl;
     if (!gl.getExtension("EXT_color_buffer_float"))
       throw new Error("This page needs a graphics driver with float render targets (EXT_color_buffer_float).");
+    markLeavers();
     const bounds = meta.live ? guessBounds(measureBounds()) : measureBounds();
     this.groundHeight = groundHeight(bounds);
     this.camera = new Camera(includeGround(bounds, this.groundHeight), firstPitch());
