@@ -209,6 +209,24 @@ class TradeFixed(unittest.TestCase):
         self.assertNotIn("scene unchanged", names)
 
 
+class TradeInlet(unittest.TestCase):
+    def test_errors(self):
+        """A body that has no particle in the first frame: its errors are relative to its first size."""
+        jet = {"duration": 0.1, "frame_interval": 0.02, "bodies": [
+            {"name": "water", "constraints": [{"type": "fluid"}], "particles": {"radius": 0.02, "inlets": [
+                {"rectangle": {"center": [0, 0.3, 0], "size": [0.08, 0.08]}, "direction": [0, -1, 0], "speed": 1,
+                 "start": 0.01}]}}]}
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder, "jet.json")
+            scene.write_text(json.dumps(jet))
+            subprocess.run([PROJDYN, "trade", scene, "-o", folder + "/out", "--minutes", "0.01", "--quiet"], check=True,
+                           capture_output=True)
+            with open(folder + "/out/trade.csv") as file:
+                errors = [float(row["front"]) for row in csv.DictReader(file)]
+        self.assertTrue(errors)
+        self.assertTrue(0 < max(errors) < 1, errors)
+
+
 class TradeReplica(unittest.TestCase):
     """Settings run on a coarse replica, recommended for the scene."""
 

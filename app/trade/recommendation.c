@@ -133,8 +133,7 @@ static int find_warnings(const struct study *s, const struct setting *setting, b
 /* The fastest trial that reaches the target if the target limits the error, otherwise the most
  * accurate one; NULL if none reaches it. Trials with truncated iterations are left out on a
  * replica: the error that truncation leaves is larger on a finer scene. So are those that warn.
- * ratio: time of the scene
- * over time of the replica, for settings whose scene time is not known. */
+ * ratio: time of the scene over time of the replica, for settings whose scene time is not known. */
 static const struct trial *find_fitting(const struct study *s, const struct target *target,
                                         const struct scene_time *time, double ratio) {
     const struct trial_table *table = &s->table;

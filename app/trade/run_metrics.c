@@ -70,7 +70,6 @@ static bool add_frame(struct body_metrics *body, const struct vtk_frame *frame, 
 /* Sizes and allocates a body by its first frame. */
 static bool init_body(struct body_metrics *body, const struct vtk_frame *frame, int frames) {
     body->count = frame->count;
-    body->size = box_diagonal(frame);
     body->stride = body->surface ? 3 * frame->count : 3 * AXIS_VALUES;
     body->value = calloc((size_t)frames * (size_t)body->stride + 1, sizeof *body->value);
     return body->value;
@@ -89,6 +88,7 @@ static int read_body(const char *directory, struct body_metrics *body, int frame
         free(path);
         if (code == EXIT_GOOD && f == 0) good = init_body(body, &frame, frames);
         if (code == EXIT_GOOD && good) good = add_frame(body, &frame, f);
+        if (body->size == 0.0) body->size = box_diagonal(&frame);
         vtk_frame_free(&frame);
     }
     return code == EXIT_GOOD && !good

@@ -24,7 +24,8 @@ struct body_metrics {
     char *name;
     bool surface;  /* triangles; otherwise particles */
     int count;     /* vertices of a surface */
-    double size;   /* diagonal of the bounding box at the start, m */
+    double size;   /* m: diagonal of the bounding box in the first frame in which that is not 0, as
+                      inlets may begin later */
     double *value; /* frames x stride, m. Surface: vertex positions. Particles, for each axis:
                       RUN_METRICS_LEVELS evenly spaced quantiles of the coordinate, then the 5 % and
                       the 95 % quantile. */
