@@ -90,7 +90,7 @@ static int receive(struct browser *browser) {
     }
     int count = poll(&ready, 1, 1000 * PATIENCE);
     if (count == 0) return fail("does not answer");
-    ssize_t size = read(browser->from, browser->text + browser->length, CHUNK);
+    ssize_t size = count < 0 ? -1 : read(browser->from, browser->text + browser->length, CHUNK);
     if (size < 0 && errno == EINTR) return EXIT_GOOD;
     if (size <= 0) return fail("has ended");
     browser->length += (size_t)size;

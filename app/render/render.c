@@ -242,6 +242,23 @@ static int render(struct run *run, struct options *options) {
     return code;
 }
 
+/* EXIT_BAD_INPUT for options that the output would ignore. */
+static int check_options(const struct options *o) {
+    bool still = is_still(o->output), turns = o->turntable > 0.0;
+    bool one_frame = o->frame >= 0 || !isnan(o->time);
+    if (turns && (still || o->last >= 0))
+        return run_error("render: --turntable: expected a film or numbered pictures, of one frame");
+    if (still && o->last >= 0)
+        return run_error("render: --frames: expected a film or numbered pictures");
+    if (still && !isnan(o->fps)) return run_error("render: --fps: expected a film");
+    if (o->frame >= 0 && !isnan(o->time))
+        return run_error("render: --frame, --time: expected one of them");
+    if (one_frame && !still && !turns)
+        return run_error("render: %s: expected a picture or --turntable; of a film: --frames A:B",
+                         o->frame >= 0 ? "--frame" : "--time");
+    return EXIT_GOOD;
+}
+
 int render_main(int argc, char **argv) {
     static const struct option long_options[] = {
         {"output", required_argument, NULL, 'o'},
@@ -268,10 +285,9 @@ int render_main(int argc, char **argv) {
     if (format == FILM_PNG && !film_check_number(options.output))
         return run_error("render: %s: expected at most one '%%', as in NAME_%%04d.png",
                          options.output);
-    if (options.turntable > 0.0 && (options.last >= 0 || is_still(options.output)))
-        return run_error("render: --turntable: expected a film or numbered pictures, of one frame");
-    if (options.camera) code = camera_keys_read(options.camera, &options.keys);
-    if (options.camera && code != EXIT_GOOD) return code;
+    code = check_options(&options);
+    if (code == EXIT_GOOD && options.camera) code = camera_keys_read(options.camera, &options.keys);
+    if (code != EXIT_GOOD) return code;
     catch_signals();
     struct run run = {.directory = argv[optind]};
     code = render(&run, &options);
