@@ -270,6 +270,8 @@ static const struct bad_scene bad_solids[] = {
      "0"},
     {TOP("'solids': [{'capsule': {'from': [0, 0, 0], 'radius': 1}}]"),
      "scene.json:2:25: solids[0].capsule.to: missing, expected an array of 3 numbers (m)"},
+    {TOP("'solids': [{'plane': {'center': [0, 0, 0], 'normal': 'y', 'size': 1}}]"),
+     "scene.json:2:55: solids[0].plane.normal: expected an array of 3 numbers, found \"y\""},
     {TOP("'solids': [{'plane': {'center': [0, 0, 0], 'normal': [0, 0, 0], 'size': 1}}]"),
      "scene.json:2:55: solids[0].plane.normal: expected a direction that is not 0, found an array "
      "of 3"},

@@ -134,14 +134,14 @@ struct shape { /* keys of all primitives */
     double center[3], from[3], to[3], normal[3], radius, size;
 };
 
-#define VECTOR(name, bound)                                                                        \
-    { #name, PDYN_VECTOR, offsetof(struct shape, name), true, 0, -(bound), bound, "m", "" }
+#define VECTOR(name, unit)                                                                         \
+    { #name, PDYN_VECTOR, offsetof(struct shape, name), true, 0, -1e6, 1e6, unit, "" }
 #define LENGTH(name)                                                                               \
     { #name, PDYN_REAL, offsetof(struct shape, name), true, 0, 1e-6, 1e6, "m", "" }
 
 pdyn_status primitive_read_sphere(const struct json_at *at, double bump, struct mesh *mesh,
                                   double middle[3]) {
-    static const pdyn_param table[] = {VECTOR(center, 1e6), LENGTH(radius), {0}};
+    static const pdyn_param table[] = {VECTOR(center, "m"), LENGTH(radius), {0}};
     struct shape shape;
     pdyn_status status = params_read_object(at, table, &shape);
     if (status != PDYN_OK) return status;
@@ -152,7 +152,7 @@ pdyn_status primitive_read_sphere(const struct json_at *at, double bump, struct 
 
 pdyn_status primitive_read_capsule(const struct json_at *at, double bump, struct mesh *mesh,
                                    double middle[3]) {
-    static const pdyn_param table[] = {VECTOR(from, 1e6), VECTOR(to, 1e6), LENGTH(radius), {0}};
+    static const pdyn_param table[] = {VECTOR(from, "m"), VECTOR(to, "m"), LENGTH(radius), {0}};
     struct shape shape;
     pdyn_status status = params_read_object(at, table, &shape);
     if (status != PDYN_OK) return status;
@@ -162,7 +162,7 @@ pdyn_status primitive_read_capsule(const struct json_at *at, double bump, struct
 
 pdyn_status primitive_read_plane(const struct json_at *at, double bump, struct mesh *mesh,
                                  double middle[3]) {
-    static const pdyn_param table[] = {VECTOR(center, 1e6), VECTOR(normal, 1e6), LENGTH(size), {0}};
+    static const pdyn_param table[] = {VECTOR(center, "m"), VECTOR(normal, "1"), LENGTH(size), {0}};
     struct json_at normal = json_member(at, "normal");
     struct shape shape;
     (void)bump;
