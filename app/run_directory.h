@@ -45,7 +45,8 @@ struct part {
     double rest_density;   /* of particles, kg/m^3; 0: unknown */
     int channels;          /* the first so many values of enum channel are there */
     double most[CHANNELS]; /* largest value of each */
-    struct vtk_frame skin; /* of a body with NAME.skin.vtk, drawn in its place; count 0: none */
+    struct vtk_frame skin; /* of a body with NAME.skin.vtk, drawn in its place but in a live view,
+                              which moves vertices of the body; count 0: none */
 };
 
 struct run {

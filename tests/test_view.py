@@ -263,6 +263,31 @@ def test_page(folder):
     page.close()
 
 
+BLOCK = "".join(f"v {k & 1} {k >> 1 & 1} {k >> 2}\n" for k in range(8)) + \
+    "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
+
+
+def test_points(folder):
+    """Frames have the points of the page, also of a body with "cell"; a restart keeps them."""
+    pathlib.Path(folder, "block.obj").write_text(BLOCK)
+    scene = sheet(5)
+    scene["bodies"].append({"name": "block", "volume": {"mesh": "block.obj", "cell": 0.5, "density": 500},
+                            "constraints": [{"type": "tet", "stiffness": 1e4}]})
+    view = View(folder, scene)
+    _, text, _ = get(view, f"/?token={view.token}")
+    meta = json.loads(re.search('id="meta">(.*?)</script>', text, re.S)[1])
+    page = Socket(view, view.token, f"http://127.0.0.1:{view.port}")
+    assert [part["points"] for part in page.frame()["parts"]] == [body["points"][0] for body in meta["bodies"]]
+    scene["bodies"].pop()
+    pathlib.Path(folder, "scene.json").write_text(json.dumps(scene))
+    page.send({"do": "restart"})
+    head = page.frame()
+    while not head["notes"] and head["starts"] == 1:
+        head = page.frame()
+    assert head["starts"] == 1 and "other bodies or solids" in head["notes"][0]["text"], head
+    view.end()
+
+
 def test_failed_step(folder):
     """A step that diverges: the error, and the last state; a restart goes on."""
     scene = sheet(5, time_step={"fixed": 0.25}, frame_interval=0.25)
@@ -332,7 +357,7 @@ def test_speed(folder):
     page.close()
 
 
-tests = [test_access, test_messages, test_bad_scene, test_failed_step]
+tests = [test_access, test_messages, test_bad_scene, test_points, test_failed_step]
 if subprocess.run([projdyn, "view"], capture_output=True, text=True).stderr.count("this build has no live view"):
     print("skipped: this build has no live view")
     sys.exit(77)

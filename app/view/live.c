@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { LONGEST_LAG_MS = 250 }; /* a simulation further behind the clock does not catch up */
 
@@ -37,12 +38,34 @@ void live_note(struct live *live, bool bad, const char *format, ...) {
     free(text);
 }
 
+/* Whether two simulations have the same bodies and solids, of as many points and triangles. */
+static bool have_same_parts(const pdyn_sim *a, const pdyn_sim *b) {
+    for (int k = 0;; k++) {
+        pdyn_body_info one = pdyn_get_body(a, k), other = pdyn_get_body(b, k);
+        if (!one.name && !other.name) break;
+        if (!one.name || !other.name || strcmp(one.name, other.name)) return false;
+        if (one.count != other.count || one.triangles != other.triangles) return false;
+    }
+    for (int k = 0;; k++) {
+        const char *one = pdyn_solid_name(a, k), *other = pdyn_solid_name(b, k);
+        if (!one && !other) return true;
+        if (!one || !other || strcmp(one, other)) return false;
+        if (pdyn_solid_vertices(a, k, NULL) != pdyn_solid_vertices(b, k, NULL)) return false;
+    }
+}
+
 void live_restart(struct live *live) {
     const struct scene_options *scene = live->scene;
     pdyn_sim *sim;
     pdyn_status status = pdyn_load(live->context, scene->scene, scene->set, scene->sets, &sim);
     if (status != PDYN_OK) {
         live_note(live, true, "%s", pdyn_last_error(live->context));
+        return;
+    }
+    if (!have_same_parts(live->sim, sim)) {
+        live_note(live, true, "%s has other bodies or solids, which need a new `projdyn view`",
+                  scene->scene);
+        pdyn_free(sim);
         return;
     }
     pdyn_free(live->sim);

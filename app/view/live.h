@@ -30,7 +30,8 @@ struct live {
 int live_open(struct live *live, const struct scene_options *scene, char **page);
 void live_close(struct live *live);
 
-/* Loads the scene again. After an error, which becomes a note, the simulation stays. */
+/* Loads the scene again. After an error, which becomes a note, the simulation stays: one in the
+ * scene, or bodies and solids that are not those of the page. */
 void live_restart(struct live *live);
 /* Takes a step. After an error, which becomes a note, only a restart goes on. */
 void live_step(struct live *live);

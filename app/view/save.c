@@ -44,11 +44,13 @@ void save_run(struct live *live) {
     }
     bool plugins = live->scene->plugins || scene_plugins_allowed();
     pdyn_status status = save_frame(live->sim, path, true);
-    if (status == PDYN_OK && run_record_write(path, live->scene, 0.0) != EXIT_GOOD)
-        status = PDYN_IO_FAILED;
-    if (status == PDYN_OK)
+    bool recorded = status == PDYN_OK && run_record_write(path, live->scene, 0.0) == EXIT_GOOD;
+    if (recorded)
         live_note(live, false, "saved to %s; to continue: projdyn run --resume %s%s --time %.4g",
                   path, path, plugins ? " --allow-plugins" : "", pdyn_time(live->sim) + 1.0);
-    else live_note(live, true, "%s: %s", path, pdyn_last_error(live->context));
+    else
+        live_note(live, true, "%s: %s", path,
+                  status == PDYN_OK ? "run.json cannot be written"
+                                    : pdyn_last_error(live->context));
     free(path);
 }
