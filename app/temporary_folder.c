@@ -6,9 +6,11 @@
 #include <stdlib.h>
 
 int temporary_folder_make(const char *name, char path[TEMPORARY_FOLDER]) {
-    const char *place = getenv("TMPDIR");
-    snprintf(path, TEMPORARY_FOLDER, "%.3000s/projdyn-%s-XXXXXX", place ? place : "/tmp", name);
-    if (mkdtemp(path)) return EXIT_GOOD;
+    const char *given = getenv("TMPDIR"), *place = given && *given ? given : "/tmp";
+    char *whole = realpath(place, NULL);
+    snprintf(path, TEMPORARY_FOLDER, "%.3000s/projdyn-%s-XXXXXX", whole ? whole : place, name);
+    free(whole);
+    if (whole && mkdtemp(path)) return EXIT_GOOD;
     int code = report_write_error(path);
     *path = '\0';
     return code;

@@ -2,7 +2,7 @@
 # Runs a scene for a moment, makes the replay page, and compares pictures that `projdyn render` draws
 # of it with and without each part. Usage: test_replay.sh PROJDYN SCENE.json
 set -eu
-projdyn=$1 scene=$2
+projdyn=$(realpath "$1") scene=$2
 here=$(cd "$(dirname "$0")" && pwd)
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -92,7 +92,7 @@ picture() { # NAME VIEW
 }
 for fault in 'hid=water: unknown name "hid"; known: frame,' 'hide=watr: hide: unknown part "watr"; known: ' \
     'fluid=velocity: fluid: unknown value "velocity"; known: ' 'camera=1,2: camera: expected three or six numbers' \
-    'cut=0.5: cut: expected a text as x-0.5'; do
+    'cut=0.5: cut: expected a text as x-0.5' 'hide=5%: hide: unknown part "5%"; known: '; do
     expect_error 2 "--view $fault" render "$run" -o "$folder/fault.png" --size 64x48 --view "${fault%%: *}"
     [ ! -e "$folder/fault.png" ] || fail "a picture of an unknown view"
 done
@@ -226,6 +226,10 @@ expect_error 2 'surface: unknown value "speed"; known: plain, checker, stretch' 
 "$projdyn" render "$run" -o "$folder/some_%03d.png" --size 64x48 --frames 4:6 >/dev/null
 [ "$(cd "$folder" && ls | grep '^some_' | tr '\n' ' ')" = "some_004.png some_005.png some_006.png " ] || fail "--frames 4:6"
 "$projdyn" render "$run" -o "$folder/one.png" --size 64x48 --frame 10 >/dev/null
+mkdir "$folder/5% #1"
+(cd "$folder" && TMPDIR="5% #1" timeout 60 "$projdyn" render "$run" -o same.png --size 64x48 --frame 10 >/dev/null) ||
+    fail "no picture with a TMPDIR that is not part of a URL as it is"
+cmp "$folder/one.png" "$folder/same.png"
 cmp "$folder/one.png" "$folder/n_010.png" || fail "numbered picture 10 is not frame 10"
 cmp -s "$folder/n_000.png" "$folder/n_010.png" && fail "numbered pictures 0 and 10 are the same"
 if command -v ffmpeg >/dev/null; then

@@ -203,14 +203,26 @@ static void catch_signals(void) {
     signal(SIGPIPE, SIG_IGN); /* a program that ends early shows as an error of write() */
 }
 
+/* The address of the page in `folder`, with a view; the caller frees it. NULL: no memory. */
+static char *page_address(const char *folder, const char *view) {
+    static const char plain[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~/";
+    char encoded[3 * TEMPORARY_FOLDER], *to = encoded, *address;
+    for (; *folder; folder++)
+        to += strchr(plain, *folder) ? sprintf(to, "%c", *folder)
+                                     : sprintf(to, "%%%02X", (unsigned char)*folder);
+    *to = '\0';
+    return asprintf(&address, "file://%s/page.html?pictures#%s", encoded, view) < 0 ? NULL
+                                                                                    : address;
+}
+
 /* Draws the pictures of the page in `folder`. */
 static int draw_pictures(const struct run *run, const struct options *options, const char *folder) {
     struct browser browser = {.to = -1, .from = -1};
     struct film film;
     struct plan plan = make_plan(options);
-    char *url;
-    if (asprintf(&url, "file://%s/page.html?pictures#%s", folder, options->view) < 0)
-        return report_no_memory();
+    char *url = page_address(folder, options->view);
+    if (!url) return report_no_memory();
     int code = film_open(&film, options->output, options->fps);
     if (code == EXIT_GOOD) code = browser_open(&browser, folder, url);
     if (code == EXIT_GOOD) code = check_view(&browser, options->view);

@@ -176,7 +176,7 @@ def main(arguments: list[str]) -> int:
         with open(options.scene, encoding="utf-8") as file:
             converter = Converter(json.load(file), os.path.dirname(options.scene), options.models)
         text = json.dumps(converter.convert(), indent=2) + "\n"
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, ArithmeticError) as error:
         print(f"{options.scene}: {type(error).__name__}: {error}", file=sys.stderr)
         return 2
     for note in dict.fromkeys(converter.notes):

@@ -89,6 +89,8 @@ class SplishSplash(unittest.TestCase):
             done = self.convert(str(path))
             self.assertEqual(done.returncode, 2)
             self.assertIn(text, done.stderr)
+        self.path.write_text('{"Configuration": {"dataExportFPS": 0}}')
+        self.assertIn("ZeroDivisionError", self.convert(str(self.path)).stderr.splitlines()[0])
         self.path.write_text(json.dumps({**SCENE, "RigidBodies": [{"geometryFile": "far.obj"}]}))
         self.assertIn("--models names the folder", self.convert(str(self.path)).stderr)
 

@@ -42,10 +42,19 @@ function pairFault(name, value) {
     : expectedIn(`${name}: unknown value`, value, [...inputs[name].options].map((option) => option.value));
 }
 
+/* A text of a URL; one with a '%' that begins no code stays as it is. */
+function decodeText(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
+}
+
 /* The names and values of a view. */
 const viewPairs = (text) => text.split("&").filter(Boolean).map((pair) => {
   const [name, value = ""] = pair.split("=");
-  return [name, decodeURIComponent(value)];
+  return [name, decodeText(value)];
 });
 
 /* What is wrong with a view; "": nothing. */
