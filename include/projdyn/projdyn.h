@@ -397,8 +397,8 @@ PDYN_API pdyn_status pdyn_restore_memory(pdyn_sim *sim, const void *buffer, size
 typedef struct pdyn_writer pdyn_writer;
 PDYN_API pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool ply,
                                       pdyn_writer **out);
-/* Writes a frame of the current state. PDYN_IO_FAILED, PDYN_NO_MEMORY, also of
- * the next three functions. */
+/* Writes a frame of the current state, in place of those of its time and later. PDYN_IO_FAILED,
+ * PDYN_NO_MEMORY, also of the next three functions. */
 PDYN_API pdyn_status pdyn_writer_frame(pdyn_writer *writer);
 /* Adds a row to DIR/metrics.csv, and to DIR/probes.csv in a scene with probes. */
 PDYN_API pdyn_status pdyn_writer_step_sized(pdyn_writer *writer, const pdyn_step_info *info,

@@ -42,7 +42,7 @@ class Writer:
             self.frame()
 
     def frame(self) -> None:
-        """Writes a frame."""
+        """Writes a frame, in place of those of its time and later."""
         self._handle.call(lib.pdyn_writer_frame)
 
     def save(self) -> None:

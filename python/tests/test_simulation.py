@@ -314,6 +314,26 @@ class Files(unittest.TestCase):
             with self.assertRaisesRegex(projdyn.Error, "nowhere"):
                 sim.write(f"{folder}/nowhere", resume=True)
 
+    def test_frames_at_any_time(self):
+        """A frame replaces those of its time and later: of a step that wrote one, and after a restore."""
+        def write(folder, more):
+            sim = hanging_sheet(duration=0.1).load()
+            start = sim.state()
+            with sim.write(folder) as writer:
+                for info in sim.run(0.05):
+                    writer.step(info)
+                if more:
+                    writer.frame()
+                    sim.restore(start)
+                    writer.frame()
+                    for info in sim.run(0.05):
+                        writer.step(info)
+            return {path.name: path.read_bytes() for path in pathlib.Path(folder).glob("*.vtk*")}
+        with tempfile.TemporaryDirectory() as folder:
+            again, once = write(f"{folder}/again", True), write(f"{folder}/once", False)
+            self.assertEqual({name: again[name] for name in once}, once)
+            projdyn.replay(f"{folder}/again")
+
     def test_replay_of_nothing(self):
         with self.assertRaisesRegex(projdyn.Error, "no_such"):
             projdyn.replay("no_such")

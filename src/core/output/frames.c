@@ -67,9 +67,12 @@ pdyn_status frames_reserve_times(pdyn_writer *writer, int frames) {
     return PDYN_OK;
 }
 
+/* The next frame replaces those of its time and later: the times of a series rise. */
 static pdyn_status append_time(pdyn_writer *writer) {
+    double time = pdyn_time(writer->sim);
+    while (writer->frames && writer->time[writer->frames - 1] >= time) writer->frames--;
     pdyn_status status = frames_reserve_times(writer, writer->frames + 1);
-    if (status == PDYN_OK) writer->time[writer->frames] = pdyn_time(writer->sim);
+    if (status == PDYN_OK) writer->time[writer->frames] = time;
     return status;
 }
 
