@@ -216,7 +216,8 @@ static int open_body(struct run *run, int b) {
     if (code == EXIT_GOOD) code = read_body_number(run, b, "radius_m", &part->radius);
     if (code == EXIT_GOOD) code = read_body_number(run, b, "rest_density", &part->rest_density);
     if (code == EXIT_GOOD) code = read_color(run, part, entry, &part->color);
-    return code == EXIT_GOOD && !run->live ? open_skin(run, part) : code; /* live: its vertices */
+    if (code != EXIT_GOOD || run->live) return code; /* a live view sends vertices of the body */
+    return open_skin(run, part);
 }
 
 /* Reads name, kind and list of frames of a solid in report.json; an entry without a file (of an
