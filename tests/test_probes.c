@@ -191,7 +191,7 @@ static void assert_visits(double width) {
     uint64_t seed = 3;
     for (int k = 0; k < 3 * POINTS; k++) x[k] = width * test_random(&seed);
     assert_int_equal(grid_create(context, POINTS, 1.0, &grid), PDYN_OK);
-    assert_int_equal(grid_sort(context, &grid, POINTS, NULL, x), PDYN_OK);
+    assert_int_equal(grid_sort(&grid, POINTS, NULL, x), PDYN_OK);
     assert_true(grid.tabled == (width < 10.0));
     for (int n = 0; n < 200; n++) {
         int met[POINTS] = {0};

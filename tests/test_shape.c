@@ -32,7 +32,7 @@ static int check_capsule(const double from[3], const double to[3], double radius
     double pi = acos(-1.0), length = vec3_distance(from, to);
     double exact = pi * radius * radius * (4.0 / 3.0 * radius + length);
     assert_int_equal(primitive_capsule(context, from, to, radius, bump, &mesh), PDYN_OK);
-    assert_int_equal(mesh_check(context, &mesh, "capsule"), PDYN_OK);
+    assert_int_equal(mesh_check(&mesh, "capsule"), PDYN_OK);
     assert_int_equal(mesh_check_cloth(context, &mesh, "capsule"), PDYN_OK);
     assert_int_equal(mesh_check_closed(context, &mesh, "capsule"), PDYN_OK);
     assert_true(volume(&mesh) < exact && volume(&mesh) > part * exact);

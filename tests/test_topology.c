@@ -40,7 +40,7 @@ static void test_grid(void **state) {
     assert_int_equal(mesh_grid(context, (double[]){3, 2}, (int[]){7, 4}, 0.0, &mesh), PDYN_OK);
     assert_int_equal(mesh.vertices, 28);
     assert_int_equal(mesh.triangles, 36);
-    assert_int_equal(mesh_check(context, &mesh, "grid"), PDYN_OK);
+    assert_int_equal(mesh_check(&mesh, "grid"), PDYN_OK);
     assert_int_equal(mesh_check_cloth(context, &mesh, "grid"), PDYN_OK);
     static const double corners[4][3] = {{-1.5, 0, -1}, {1.5, 0, -1}, {-1.5, 0, 1}, {1.5, 0, 1}};
     for (int k = 0; k < 4; k++)

@@ -87,7 +87,7 @@ pdyn_status pdyn_conformance(pdyn_context *context, const char *name,
     const pdyn_constraint_type *type = name ? registry_constraint(context, name) : NULL;
     const pdyn_global_solver *solver = name ? registry_solver(context, name) : NULL;
     if (name && !type && !solver)
-        return context_fail(context, PDYN_BAD_INPUT, "no constraint and no solver \"%.64s\"", name);
+        return set_error(PDYN_BAD_INPUT, "no constraint and no solver \"%.64s\"", name);
     if (name) check_one(&check, type, solver);
     for (int p = 1; !name && p < context->plugins; p++) check_plugin(&check, context->plugin[p]);
     *faults = check.faults;

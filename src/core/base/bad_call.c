@@ -7,13 +7,13 @@
 
 pdyn_status bad_call(const char *function, const char *format, ...) {
     const char *end = strstr(function, "_sized");
-    char text[CONTEXT_ERROR / 2];
+    char text[ERROR_LENGTH / 2];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    return context_fail(NULL, PDYN_BAD_CALL, "%.*s: %s",
-                        (int)(end ? (size_t)(end - function) : strlen(function)), function, text);
+    return set_error(PDYN_BAD_CALL, "%.*s: %s",
+                     (int)(end ? (size_t)(end - function) : strlen(function)), function, text);
 }
 
 /* names: as HAS_NULL has them, with ", " between them. */

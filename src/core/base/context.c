@@ -72,8 +72,8 @@ pdyn_status pdyn_create_sized(const pdyn_options *options, size_t size, pdyn_con
     context->pool = pool_create(chosen.threads);
     if (!context->pool) {
         pdyn_destroy(context);
-        return context_fail(NULL, PDYN_NO_MEMORY, "out of memory, or %d threads cannot be made",
-                            chosen.threads);
+        return set_error(PDYN_NO_MEMORY, "out of memory, or %d threads cannot be made",
+                         chosen.threads);
     }
     *out = context;
     return PDYN_OK;
@@ -159,34 +159,9 @@ bool context_arrays(pdyn_context *context, const struct array_entry *table, size
     return complete;
 }
 
-static _Thread_local char last_error[CONTEXT_ERROR];
-static _Thread_local unsigned errors_so_far;
-
-const char *pdyn_last_error(const pdyn_context *context) {
-    (void)context;
-    return last_error;
-}
-
-pdyn_status context_fail(pdyn_context *context, pdyn_status status, const char *format, ...) {
-    va_list args;
-    (void)context;
-    va_start(args, format);
-    vsnprintf(last_error, sizeof last_error, format, args);
-    va_end(args);
-    errors_so_far++;
-    return status;
-}
-
-unsigned context_errors(void) { return errors_so_far; }
-
-pdyn_status context_module(const char *name, pdyn_status status, unsigned errors) {
-    if (status == PDYN_OK || errors != errors_so_far) return status;
-    return context_fail(NULL, status, "%s (\"%s\")", pdyn_status_text(status), name);
-}
-
 pdyn_status context_no_memory(pdyn_context *context) {
-    return context_fail(context, PDYN_NO_MEMORY, "out of memory (%zu bytes in use)",
-                        pdyn_bytes_in_use(context));
+    return set_error(PDYN_NO_MEMORY, "out of memory (%zu bytes in use)",
+                     pdyn_bytes_in_use(context));
 }
 
 void context_log(pdyn_context *context, pdyn_log_level level, const char *format, ...) {
@@ -211,7 +186,8 @@ static void *service_allocate(pdyn_core *core, void *block, size_t old_size, siz
     return moved;
 }
 static pdyn_status service_fail(pdyn_core *core, pdyn_status status, const char *message) {
-    return context_fail((pdyn_context *)core, status, "%s", message);
+    (void)core;
+    return set_error(status, "%s", message);
 }
 pdyn_services context_services(pdyn_context *context) {
     return (pdyn_services){(pdyn_core *)context, service_for, service_allocate, service_fail};

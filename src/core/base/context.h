@@ -3,13 +3,14 @@
 #ifndef PDYN_CONTEXT_H
 #define PDYN_CONTEXT_H
 
+#include "error.h"
 #include "pool.h"
 #include "projdyn/projdyn.h"
 
 #include <pthread.h>
 #include <stdarg.h>
 
-enum { MAX_PLUGINS = 64, CONTEXT_ERROR = 2048 };
+enum { MAX_PLUGINS = 64 };
 
 struct pdyn_context {
     pdyn_options options;
@@ -75,16 +76,7 @@ enum array_action { ARRAYS_ALLOCATE, ARRAYS_FREE };
 bool context_arrays(pdyn_context *context, const struct array_entry *table, size_t rows,
                     enum array_action action);
 
-/* Sets the error text of the calling thread (printf format) and returns `status`. context: of the
- * objects that the call is about; NULL: there is none. */
-pdyn_status context_fail(pdyn_context *context, pdyn_status status, const char *format, ...)
-    PDYN_PRINTF(3, 4);
 pdyn_status context_no_memory(pdyn_context *context);
-/* The status of a callback of the module `name`, which may have failed without a text: then it gets
- * that of the status. errors: context_errors() before the callback, errors of this thread so far.
- */
-unsigned context_errors(void);
-pdyn_status context_module(const char *name, pdyn_status status, unsigned errors);
 void context_log(pdyn_context *context, pdyn_log_level level, const char *format, ...)
     PDYN_PRINTF(3, 4);
 

@@ -94,31 +94,30 @@ pdyn_status file_out_open(pdyn_context *context, const char *path, struct file_o
     }
     out->stream = open_stream(out);
     if (out->stream) return PDYN_OK;
-    pdyn_status status = errno == ENOMEM ? context_no_memory(context)
-                                         : context_fail(context, PDYN_IO_FAILED,
-                                                        "%.1024s: cannot create the file: %s", path,
-                                                        strerror(errno));
+    pdyn_status status = errno == ENOMEM
+                             ? context_no_memory(context)
+                             : set_error(PDYN_IO_FAILED, "%.1024s: cannot create the file: %s",
+                                         path, strerror(errno));
     release(out);
     return status;
 }
 
-pdyn_status file_open_in_place(pdyn_context *context, const char *path, int create,
-                               int *descriptor) {
+pdyn_status file_open_in_place(const char *path, int create, int *descriptor) {
     struct stat info;
     *descriptor =
         open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC | create, 0666);
     if (*descriptor < 0 && errno != ELOOP)
-        return context_fail(context, PDYN_IO_FAILED, "%.1024s: cannot %s the file: %s", path,
-                            create ? "create" : "open", strerror(errno));
+        return set_error(PDYN_IO_FAILED, "%.1024s: cannot %s the file: %s", path,
+                         create ? "create" : "open", strerror(errno));
     bool good = *descriptor >= 0 && fstat(*descriptor, &info) == 0 && S_ISREG(info.st_mode) &&
                 info.st_nlink == 1;
     if (good) return PDYN_OK;
     if (*descriptor >= 0) close(*descriptor);
     *descriptor = -1;
-    return context_fail(context, PDYN_BAD_INPUT,
-                        "%.1024s: expected a regular file with a single name, found a link or "
-                        "special file; remove it",
-                        path);
+    return set_error(PDYN_BAD_INPUT,
+                     "%.1024s: expected a regular file with a single name, found a link or "
+                     "special file; remove it",
+                     path);
 }
 
 /* ---- content --------------------------------------------------------------------------------- */
@@ -189,12 +188,11 @@ void file_out_sync(struct file_out *out) {
 
 static pdyn_status outcome(const struct file_out *out) {
     if (out->error)
-        return context_fail(out->context, PDYN_IO_FAILED, "%.1024s: writing failed: %s", out->path,
-                            strerror(out->error));
+        return set_error(PDYN_IO_FAILED, "%.1024s: writing failed: %s", out->path,
+                         strerror(out->error));
     if (out->not_finite)
-        return context_fail(out->context, PDYN_IO_FAILED,
-                            "%.1024s: a number does not fit the 32-bit floats of the file",
-                            out->path);
+        return set_error(PDYN_IO_FAILED,
+                         "%.1024s: a number does not fit the 32-bit floats of the file", out->path);
     return PDYN_OK;
 }
 

@@ -54,7 +54,6 @@ void file_out_remove_leftovers(const char *directory);
 /* Opens a regular file for reading and writing in place. `create`: O_CREAT, or 0 for a file that
  * must exist. PDYN_BAD_INPUT: the path is a symbolic link, has a second hard link, or is no regular
  * file, so that writing would change another file. PDYN_IO_FAILED: it cannot be opened. */
-pdyn_status file_open_in_place(pdyn_context *context, const char *path, int create,
-                               int *descriptor);
+pdyn_status file_open_in_place(const char *path, int create, int *descriptor);
 
 #endif

@@ -8,10 +8,10 @@
 #include <stdio.h>
 #include <string.h>
 
-static pdyn_status fail_load(pdyn_context *context, const char *path) {
+static pdyn_status fail_load(const char *path) {
     const char *why = dlerror();
-    return context_fail(context, PDYN_BAD_INPUT, "%.1024s: the plug-in cannot be loaded: %s", path,
-                        why ? why : "unknown reason");
+    return set_error(PDYN_BAD_INPUT, "%.1024s: the plug-in cannot be loaded: %s", path,
+                     why ? why : "unknown reason");
 }
 
 /* Opens a shared object. dlopen searches system directories for a name without a slash; "./" in
@@ -32,14 +32,14 @@ pdyn_status pdyn_load_plugin(pdyn_context *context, const char *path) {
     if (!*path) return bad_call(__func__, "path is empty");
     dlerror();
     void *object = open_object(context, path);
-    if (!object) return fail_load(context, path);
+    if (!object) return fail_load(path);
     const pdyn_plugin *plugin = dlsym(object, "pdyn_plugin_table");
     if (!plugin)
-        return context_fail(context, PDYN_BAD_INPUT,
-                            "%.1024s: not a plug-in: it has no symbol pdyn_plugin_table", path);
+        return set_error(PDYN_BAD_INPUT,
+                         "%.1024s: not a plug-in: it has no symbol pdyn_plugin_table", path);
     pdyn_status status = pdyn_register(context, plugin);
     if (status != PDYN_BAD_INPUT) return status;
     char why[1024];
     snprintf(why, sizeof why, "%.1000s", pdyn_last_error(NULL));
-    return context_fail(context, status, "%.1000s: %s", path, why);
+    return set_error(status, "%.1000s: %s", path, why);
 }

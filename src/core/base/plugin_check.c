@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-static pdyn_status fail(pdyn_context *context, const char *name, const char *what) {
-    return context_fail(context, PDYN_BAD_INPUT, "type \"%.64s\": %s", name, what);
+static pdyn_status fail(const char *name, const char *what) {
+    return set_error(PDYN_BAD_INPUT, "type \"%.64s\": %s", name, what);
 }
 
 static bool is_name(const char *name) {
@@ -14,11 +14,11 @@ static bool is_name(const char *name) {
                strlen(name);
 }
 
-static pdyn_status check_names(pdyn_context *context, const char *name, const char *summary) {
+static pdyn_status check_names(const char *name, const char *summary) {
     if (!is_name(name))
-        return context_fail(context, PDYN_BAD_INPUT,
-                            "a type has no name of 1 to 31 letters, digits, '_' and '-'");
-    return summary && *summary ? PDYN_OK : fail(context, name, "it has no summary");
+        return set_error(PDYN_BAD_INPUT,
+                         "a type has no name of 1 to 31 letters, digits, '_' and '-'");
+    return summary && *summary ? PDYN_OK : fail(name, "it has no summary");
 }
 
 /* ---- parameters ------------------------------------------------------------------------------ */
@@ -81,13 +81,13 @@ static const char *param_fault(const pdyn_constraint_type *type, const pdyn_para
     return NULL;
 }
 
-static pdyn_status check_params(pdyn_context *context, const pdyn_constraint_type *type) {
-    if (!type->params) return fail(context, type->name, "it has no table of parameters");
+static pdyn_status check_params(const pdyn_constraint_type *type) {
+    if (!type->params) return fail(type->name, "it has no table of parameters");
     for (const pdyn_param *p = type->params; p->name; p++) {
         const char *fault = param_fault(type, p);
         if (fault)
-            return context_fail(context, PDYN_BAD_INPUT, "type \"%s\": parameter \"%.32s\": %s",
-                                type->name, p->name, fault);
+            return set_error(PDYN_BAD_INPUT, "type \"%s\": parameter \"%.32s\": %s", type->name,
+                             p->name, fault);
     }
     return PDYN_OK;
 }
@@ -155,18 +155,18 @@ static const char *constraint_fault(const pdyn_constraint_type *t) {
     return t->matrix_free ? operator_fault(t->matrix_free) : NULL;
 }
 
-pdyn_status table_check_constraint(pdyn_context *context, const pdyn_constraint_type *type) {
-    pdyn_status status = check_names(context, type->name, type->summary);
-    if (status == PDYN_OK) status = check_params(context, type);
+pdyn_status table_check_constraint(const pdyn_constraint_type *type) {
+    pdyn_status status = check_names(type->name, type->summary);
+    if (status == PDYN_OK) status = check_params(type);
     if (status != PDYN_OK) return status;
     const char *fault = constraint_fault(type);
-    return fault ? fail(context, type->name, fault) : PDYN_OK;
+    return fault ? fail(type->name, fault) : PDYN_OK;
 }
 
-pdyn_status table_check_solver(pdyn_context *context, const pdyn_global_solver *type) {
-    pdyn_status status = check_names(context, type->name, type->summary);
+pdyn_status table_check_solver(const pdyn_global_solver *type) {
+    pdyn_status status = check_names(type->name, type->summary);
     if (status != PDYN_OK) return status;
     if (!type->create || !type->solve || !type->free)
-        return fail(context, type->name, "it lacks one of create, solve, free");
-    return type->state_size ? PDYN_OK : fail(context, type->name, "its state_size is 0");
+        return fail(type->name, "it lacks one of create, solve, free");
+    return type->state_size ? PDYN_OK : fail(type->name, "its state_size is 0");
 }

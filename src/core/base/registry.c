@@ -84,8 +84,8 @@ static pdyn_status check_name(pdyn_context *context, const pdyn_plugin *plugin, 
     const pdyn_global_solver *const *s = plugin->solvers;
     for (; c && *c && before > 0; c++, before--) taken |= !strcmp((*c)->name, name);
     for (; s && *s && before > 0; s++, before--) taken |= !strcmp((*s)->name, name);
-    return taken ? context_fail(context, PDYN_BAD_INPUT, "plug-in \"%s\": the name \"%s\" is taken",
-                                plugin->name, name)
+    return taken ? set_error(PDYN_BAD_INPUT, "plug-in \"%s\": the name \"%s\" is taken",
+                             plugin->name, name)
                  : PDYN_OK;
 }
 
@@ -95,16 +95,16 @@ static pdyn_status check_types(pdyn_context *context, const pdyn_plugin *plugin)
     const pdyn_global_solver *const *s = plugin->solvers;
     int before = 0;
     for (; c && *c && status == PDYN_OK; c++, before++) {
-        status = table_check_constraint(context, *c);
+        status = table_check_constraint(*c);
         if (status == PDYN_OK) status = check_name(context, plugin, (*c)->name, before);
     }
     for (; s && *s && status == PDYN_OK; s++, before++) {
-        status = table_check_solver(context, *s);
+        status = table_check_solver(*s);
         if (status == PDYN_OK) status = check_name(context, plugin, (*s)->name, before);
     }
     if (status != PDYN_OK || before) return status;
-    return context_fail(context, PDYN_BAD_INPUT,
-                        "plug-in \"%s\": it has no constraint and no solver", plugin->name);
+    return set_error(PDYN_BAD_INPUT, "plug-in \"%s\": it has no constraint and no solver",
+                     plugin->name);
 }
 
 pdyn_status pdyn_register(pdyn_context *context, const pdyn_plugin *plugin) {
@@ -112,15 +112,15 @@ pdyn_status pdyn_register(pdyn_context *context, const pdyn_plugin *plugin) {
     for (int p = 0; p < context->plugins; p++)
         if (context->plugin[p] == plugin) return PDYN_OK;
     if (plugin->abi != PDYN_ABI)
-        return context_fail(context, PDYN_BAD_INPUT,
-                            "the plug-in was built for abi %u, expected abi %u: build it again "
-                            "with the headers of projdyn %s",
-                            plugin->abi, PDYN_ABI, pdyn_version());
+        return set_error(PDYN_BAD_INPUT,
+                         "the plug-in was built for abi %u, expected abi %u: build it again "
+                         "with the headers of projdyn %s",
+                         plugin->abi, PDYN_ABI, pdyn_version());
     if (!plugin->name || !*plugin->name)
-        return context_fail(context, PDYN_BAD_INPUT, "the plug-in has no name");
+        return set_error(PDYN_BAD_INPUT, "the plug-in has no name");
     if (context->plugins == MAX_PLUGINS)
-        return context_fail(context, PDYN_BAD_INPUT, "expected at most %d plug-ins, found one more",
-                            MAX_PLUGINS - 1);
+        return set_error(PDYN_BAD_INPUT, "expected at most %d plug-ins, found one more",
+                         MAX_PLUGINS - 1);
     pdyn_status status = check_types(context, plugin);
     if (status == PDYN_OK) context->plugin[context->plugins++] = plugin;
     return status;

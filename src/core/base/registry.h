@@ -38,8 +38,8 @@ extern const char *const registry_common_keys[];
 
 /* Checks that the table of a type is complete and consistent. PDYN_BAD_INPUT: the error text says
  * what is wrong. */
-pdyn_status table_check_constraint(pdyn_context *context, const pdyn_constraint_type *type);
-pdyn_status table_check_solver(pdyn_context *context, const pdyn_global_solver *type);
+pdyn_status table_check_constraint(const pdyn_constraint_type *type);
+pdyn_status table_check_solver(const pdyn_global_solver *type);
 
 /* The parameters of a scene's root, "solver" and "time_step" (tables in settings.c, offsets into
  * struct scene_settings), each ending with a NULL name. */

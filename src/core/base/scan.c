@@ -76,10 +76,9 @@ pdyn_status scan_fail(const struct scan *scan, const char *format, ...) {
     for (char *c = text; *c; c++)
         if (!isprint((unsigned char)*c)) *c = '?';
     if (scan->binary)
-        return context_fail(scan->context, PDYN_BAD_INPUT, "%.1024s: byte %td: %s", scan->path,
-                            scan->last - scan->data, text);
-    return context_fail(scan->context, PDYN_BAD_INPUT, "%.1024s:%ld: %s", scan->path, scan->line,
-                        text);
+        return set_error(PDYN_BAD_INPUT, "%.1024s: byte %td: %s", scan->path,
+                         scan->last - scan->data, text);
+    return set_error(PDYN_BAD_INPUT, "%.1024s:%ld: %s", scan->path, scan->line, text);
 }
 
 pdyn_status scan_expected(const struct scan *scan, const char *what, struct word found) {
@@ -96,7 +95,7 @@ pdyn_status scan_load(struct scan *scan) {
     pdyn_status status = file_load(scan->context, scan->path, &scan->data, &scan->size);
     scan->at = scan->data, scan->line = 1;
     if (status != PDYN_OK || scan->size) return status;
-    return context_fail(scan->context, PDYN_BAD_INPUT, "%.1024s: the file is empty", scan->path);
+    return set_error(PDYN_BAD_INPUT, "%.1024s: the file is empty", scan->path);
 }
 
 void scan_free(struct scan *scan) { FREE_ARRAY(scan->context, scan->data, scan->size + 1); }

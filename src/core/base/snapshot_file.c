@@ -35,11 +35,10 @@ static void read_bytes(pdyn_snapshot *view, void *data, size_t size) {
     if (complete && file->status == PDYN_OK) return;
     memset(data, 0, size);
     if (file->status == PDYN_OK)
-        file->status =
-            context_fail(file->context, PDYN_BAD_INPUT,
-                         "%.1024s: the state ends too early: it was saved by another scene "
-                         "or version",
-                         file->path);
+        file->status = set_error(PDYN_BAD_INPUT,
+                                 "%.1024s: the state ends too early: it was saved by another scene "
+                                 "or version",
+                                 file->path);
 }
 
 void snapshot_file_bytes(struct snapshot_file *file, void *data, size_t size) {
@@ -50,8 +49,8 @@ void snapshot_file_expect(struct snapshot_file *file, uint64_t value, const char
     uint64_t found = value;
     SNAPSHOT(file, found);
     if (file->status == PDYN_OK && found != value)
-        file->status = context_fail(file->context, PDYN_BAD_INPUT,
-                                    "%.1024s: the state was saved with other %s", file->path, what);
+        file->status = set_error(PDYN_BAD_INPUT, "%.1024s: the state was saved with other %s",
+                                 file->path, what);
 }
 
 /* ---- a state in memory ----------------------------------------------------------------------- */
@@ -126,8 +125,8 @@ size_t snapshot_buffer_end(struct snapshot_file *file) {
 
 void snapshot_file_require(struct snapshot_file *file, bool valid, const char *what) {
     if (valid || !file->view.reading || file->status != PDYN_OK) return;
-    file->status = context_fail(file->context, PDYN_BAD_INPUT,
-                                "%.1024s: not a saved state of this scene: %s", file->path, what);
+    file->status =
+        set_error(PDYN_BAD_INPUT, "%.1024s: not a saved state of this scene: %s", file->path, what);
 }
 
 void snapshot_file_range(struct snapshot_file *file, double *value, size_t count, double max,
@@ -185,7 +184,7 @@ pdyn_status snapshot_file_create(pdyn_context *context, const char *path,
 /* ---- reading --------------------------------------------------------------------------------- */
 
 static pdyn_status damaged(const struct snapshot_file *file, const char *what) {
-    return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: %s", file->path, what);
+    return set_error(PDYN_BAD_INPUT, "%.1024s: %s", file->path, what);
 }
 
 static pdyn_status wrong_checksum(const struct snapshot_file *file) {
@@ -233,7 +232,7 @@ static pdyn_status check_file(struct snapshot_file *file) {
 }
 
 pdyn_status snapshot_file_open(pdyn_context *context, const char *path, struct snapshot_file *out) {
-    int descriptor = file_open(context, path);
+    int descriptor = file_open(path);
     if (descriptor < 0) return PDYN_IO_FAILED;
     *out = (struct snapshot_file){.view = {.bytes = read_bytes, .reading = true},
                                   .context = context,

@@ -75,8 +75,8 @@ static pdyn_status fail_intersecting(const struct contact *c, int e, int f) {
     double x[3];
     find_crossing(at + 3 * edge[0], at + 3 * edge[1], at + 3 * face[0], at + 3 * face[1],
                   at + 3 * face[2], x);
-    return context_fail(
-        c->context, PDYN_BAD_INPUT,
+    return set_error(
+        PDYN_BAD_INPUT,
         "contact: at the start triangle %d of \"%s\" and triangle %d of \"%s\" intersect, near "
         "(%.3g, %.3g, %.3g) m",
         triangle_number(c, edge, 2), c->name[c->group[edge[0]]], triangle_number(c, face, 3),
@@ -104,8 +104,8 @@ static pdyn_status check_distances(const struct contact *c) {
         double distance = vec3_length(contact->separation);
         double least = CONTACT_LEAST * contact->thickness;
         if (distance >= least) continue;
-        return context_fail(
-            c->context, PDYN_BAD_INPUT,
+        return set_error(
+            PDYN_BAD_INPUT,
             "contact: at the start \"%s\" and \"%s\" are %.3g m apart at (%g, %g, %g), "
             "expected at least a sixteenth of the thickness, %.3g m: leave a gap between them",
             c->name[c->group[point[0]]], c->name[c->group[point[3]]], distance, at[0], at[1], at[2],

@@ -255,7 +255,7 @@ static pdyn_status update_list(struct contact *c) {
     if (status != PDYN_OK) return status;
     for (int b = 0; b < c->found.blocks; b++) count += c->found.count[b];
     if (count + c->pairs.count > INT32_MAX / 4)
-        return context_fail(c->context, PDYN_DIVERGED, "contact: %ld pairs are close", count);
+        return set_error(PDYN_DIVERGED, "contact: %ld pairs are close", count);
     status = reserve(c, c->pairs.count + (int)count);
     if (status == PDYN_OK) merge(c, (int)count);
     return status;

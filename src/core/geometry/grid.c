@@ -56,16 +56,15 @@ static int64_t key_of(const struct grid *grid, const int cell[3]) {
 
 /* Computes the bounding box of the cells in use. Keys number its cells; a margin of one cell keeps
  * runs along x from wrapping around its ends. */
-static pdyn_status find_box(pdyn_context *context, struct grid *grid, const int *id,
-                            const double *x) {
+static pdyn_status find_box(struct grid *grid, const int *id, const double *x) {
     int low[3] = {GRID_RANGE, GRID_RANGE, GRID_RANGE},
         high[3] = {-GRID_RANGE, -GRID_RANGE, -GRID_RANGE};
     for (int k = 0; k < grid->points; k++) {
         int cell[3], i = id ? id[k] : k;
         const double *at = x + 3 * (size_t)i;
         if (!in_range(grid, at))
-            return context_fail(
-                context, PDYN_DIVERGED,
+            return set_error(
+                PDYN_DIVERGED,
                 "point %d is at (%g, %g, %g): the simulation has diverged or something "
                 "left the scene",
                 i, at[0], at[1], at[2]);
@@ -86,11 +85,11 @@ static pdyn_status find_box(pdyn_context *context, struct grid *grid, const int 
         grid->keys = grid->pitch[1] * span[2];
         return PDYN_OK;
     }
-    return context_fail(context, PDYN_DIVERGED,
-                        "points are %g x %g x %g m apart: the simulation has diverged or something "
-                        "left the scene",
-                        (double)span[0] * grid->cell, (double)span[1] * grid->cell,
-                        (double)span[2] * grid->cell);
+    return set_error(PDYN_DIVERGED,
+                     "points are %g x %g x %g m apart: the simulation has diverged or something "
+                     "left the scene",
+                     (double)span[0] * grid->cell, (double)span[1] * grid->cell,
+                     (double)span[2] * grid->cell);
 }
 
 /* Radix sort of `order` by the keys of the points, eleven bits per pass. */
@@ -136,10 +135,9 @@ static void fill_table(struct grid *grid) {
     while (key < grid->keys) grid->table[key++] = grid->points;
 }
 
-pdyn_status grid_sort(pdyn_context *context, struct grid *grid, int points, const int *id,
-                      const double *x) {
+pdyn_status grid_sort(struct grid *grid, int points, const int *id, const double *x) {
     grid->points = points;
-    pdyn_status status = find_box(context, grid, id, x);
+    pdyn_status status = find_box(grid, id, x);
     if (status != PDYN_OK) return status;
     for (int k = 0; k < points; k++) {
         int cell[3];

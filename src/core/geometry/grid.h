@@ -35,8 +35,7 @@ void grid_free(pdyn_context *context, struct grid *grid);
 
 /* Sorts the points id[0] ... id[points - 1] of x (id NULL: 0 ... points - 1) into cells.
  * PDYN_DIVERGED: a position is not finite or out of range. */
-pdyn_status grid_sort(pdyn_context *context, struct grid *grid, int points, const int *id,
-                      const double *x);
+pdyn_status grid_sort(struct grid *grid, int points, const int *id, const double *x);
 
 /* The 27 cells around a position, as nine runs of points. Cells half as wide give half as many
  * candidates, but the larger number of runs costs more than it saves. */

@@ -33,7 +33,7 @@ static pdyn_status create_lattice(pdyn_context *context, const struct mesh *mesh
         cuts[a] = sample_cells(max - min, spacing);
         out->origin[a] = 0.5 * (min + max) - 0.5 * spacing * (cuts[a] - 1.0);
     }
-    if (!(cuts[0] * cuts[1] * cuts[2] < POINT_LIST_MAX)) return point_list_too_many(context);
+    if (!(cuts[0] * cuts[1] * cuts[2] < POINT_LIST_MAX)) return point_list_too_many();
     if (!(cuts[0] * cuts[1] * cuts[2] > 0.0)) return PDYN_OK;
     for (int a = 0; a < 3; a++) out->n[a] = (long)cuts[a];
     out->mark = NEW_ARRAY(context, out->n[0] * out->n[1] * out->n[2], unsigned char);

@@ -27,18 +27,17 @@ pdyn_status mesh_grid(pdyn_context *context, const double size[2], const int ver
     *out = (struct mesh){0};
     for (int k = 0; k < 2; k++) {
         if (!(size[k] > 0.0 && size[k] <= MESH_MAX_COORDINATE))
-            return context_fail(context, PDYN_BAD_INPUT,
-                                "grid: expected sizes above 0 and of at most %g m, found %g",
-                                MESH_MAX_COORDINATE, size[k]);
+            return set_error(PDYN_BAD_INPUT,
+                             "grid: expected sizes above 0 and of at most %g m, found %g",
+                             MESH_MAX_COORDINATE, size[k]);
         if (vertices[k] < 2)
-            return context_fail(context, PDYN_BAD_INPUT,
-                                "grid: expected at least 2 vertices along each side, found %d",
-                                vertices[k]);
+            return set_error(PDYN_BAD_INPUT,
+                             "grid: expected at least 2 vertices along each side, found %d",
+                             vertices[k]);
     }
     if (vertices[1] > MESH_MAX / 2 / vertices[0]) /* two triangles per vertex */
-        return context_fail(context, PDYN_BAD_INPUT,
-                            "grid: expected at most %d vertices, found %d x %d", MESH_MAX / 2,
-                            vertices[0], vertices[1]);
+        return set_error(PDYN_BAD_INPUT, "grid: expected at most %d vertices, found %d x %d",
+                         MESH_MAX / 2, vertices[0], vertices[1]);
     pdyn_status status = mesh_allocate(context, vertices[0] * vertices[1],
                                        2 * (vertices[0] - 1) * (vertices[1] - 1), out);
     if (status != PDYN_OK) return status;
@@ -47,25 +46,24 @@ pdyn_status mesh_grid(pdyn_context *context, const double size[2], const int ver
     return PDYN_OK;
 }
 
-pdyn_status mesh_check(pdyn_context *context, const struct mesh *mesh, const char *name) {
+pdyn_status mesh_check(const struct mesh *mesh, const char *name) {
     if (mesh->triangles < 1)
-        return context_fail(context, PDYN_BAD_INPUT, "%.1024s: the mesh has no triangles", name);
+        return set_error(PDYN_BAD_INPUT, "%.1024s: the mesh has no triangles", name);
     for (int i = 0; i < 3 * mesh->vertices; i++)
         if (!(fabs(mesh->vertex[i]) <= MESH_MAX_COORDINATE))
-            return context_fail(
-                context, PDYN_BAD_INPUT,
-                "%.1024s: vertex %d: expected a finite %c of at most %g m, found %g", name, i / 3,
-                "xyz"[i % 3], MESH_MAX_COORDINATE, mesh -> vertex[i]);
+            return set_error(PDYN_BAD_INPUT,
+                             "%.1024s: vertex %d: expected a finite %c of at most %g m, found %g",
+                             name, i / 3, "xyz"[i % 3], MESH_MAX_COORDINATE, mesh -> vertex[i]);
     for (int t = 0; t < mesh->triangles; t++) {
         const int *c = mesh->triangle + 3 * t;
         for (int k = 0; k < 3; k++) {
             if (c[k] < 0 || c[k] >= mesh->vertices)
-                return context_fail(context, PDYN_BAD_INPUT,
-                                    "%.1024s: triangle %d uses vertex %d, expected 0 to %d", name,
-                                    t, c[k], mesh->vertices - 1);
+                return set_error(PDYN_BAD_INPUT,
+                                 "%.1024s: triangle %d uses vertex %d, expected 0 to %d", name, t,
+                                 c[k], mesh->vertices - 1);
             if (c[k] == c[(k + 1) % 3])
-                return context_fail(context, PDYN_BAD_INPUT,
-                                    "%.1024s: triangle %d uses vertex %d twice", name, t, c[k]);
+                return set_error(PDYN_BAD_INPUT, "%.1024s: triangle %d uses vertex %d twice", name,
+                                 t, c[k]);
         }
     }
     return PDYN_OK;

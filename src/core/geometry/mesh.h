@@ -63,7 +63,7 @@ pdyn_status mesh_grid(pdyn_context *context, const double size[2], const int ver
 
 /* Applies the checks of mesh_read to a mesh from another source. The error text begins with `name`
  * and counts vertices and triangles from 0. */
-pdyn_status mesh_check(pdyn_context *context, const struct mesh *mesh, const char *name);
+pdyn_status mesh_check(const struct mesh *mesh, const char *name);
 
 /* ---- checks of cloth and of closed meshes (topology.c) --------------------------------------- */
 

@@ -139,8 +139,7 @@ static pdyn_status read_file(struct mesh_file *file, const struct format *format
     const char *ending = length < 4 ? file->in.path : file->in.path + length - 4;
     while (format->ending && strcasecmp(ending, format->ending)) format++;
     if (!format->ending)
-        return context_fail(file->in.context, PDYN_BAD_INPUT, "%.1024s: expected a %s",
-                            file->in.path, what);
+        return set_error(PDYN_BAD_INPUT, "%.1024s: expected a %s", file->in.path, what);
     pdyn_status status = scan_load(&file->in);
     return status == PDYN_OK ? parse(file, format->parse) : status;
 }
@@ -155,8 +154,7 @@ void mesh_file_release(struct mesh_file *file) {
 
 static pdyn_status detach_mesh(struct mesh_file *file, struct mesh *out) {
     if (!file->triangles)
-        return context_fail(file->in.context, PDYN_BAD_INPUT, "%.1024s: the mesh has no triangles",
-                            file->in.path);
+        return set_error(PDYN_BAD_INPUT, "%.1024s: the mesh has no triangles", file->in.path);
     size_t vertices = (size_t)file->vertices, triangles = (size_t)file->triangles;
     out->vertices = file->vertices, out->triangles = file->triangles;
     out->vertex = mesh_file_detach(file, &file->vertex, 3 * vertices * sizeof(double));
@@ -179,8 +177,7 @@ pdyn_status mesh_read(pdyn_context *context, const char *path, struct mesh *out)
 
 static pdyn_status detach_particles(struct mesh_file *file, struct particles *out) {
     if (!file->vertices)
-        return context_fail(file->in.context, PDYN_BAD_INPUT, "%.1024s: the file has no particles",
-                            file->in.path);
+        return set_error(PDYN_BAD_INPUT, "%.1024s: the file has no particles", file->in.path);
     size_t bytes = 3 * (size_t)file->vertices * sizeof(double);
     bool moving = file->velocities;
     out->count = file->vertices;

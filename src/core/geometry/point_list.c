@@ -3,16 +3,16 @@
 
 #include <string.h>
 
-pdyn_status point_list_too_many(pdyn_context *context) {
-    return context_fail(context, PDYN_BAD_INPUT,
-                        "more than %d points: the particle radius is too small "
-                        "for the size of the scene; \"scale\" changes the unit of a mesh",
-                        POINT_LIST_MAX);
+pdyn_status point_list_too_many(void) {
+    return set_error(PDYN_BAD_INPUT,
+                     "more than %d points: the particle radius is too small "
+                     "for the size of the scene; \"scale\" changes the unit of a mesh",
+                     POINT_LIST_MAX);
 }
 
 pdyn_status point_list_add(pdyn_context *context, struct point_list *points, const double x[3]) {
     size_t need = 3 * ((size_t)points->count + 1);
-    if (points->count == POINT_LIST_MAX) return point_list_too_many(context);
+    if (points->count == POINT_LIST_MAX) return point_list_too_many();
     double *grown = context_grow(context, points->x, &points->capacity, need, sizeof *grown);
     if (!grown) return PDYN_NO_MEMORY;
     points->x = grown;

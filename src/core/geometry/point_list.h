@@ -27,6 +27,6 @@ static inline struct box box_around(const double *x, int count) {
 }
 
 /* Sets the error text for a list that would exceed POINT_LIST_MAX; returns PDYN_BAD_INPUT. */
-pdyn_status point_list_too_many(pdyn_context *context);
+pdyn_status point_list_too_many(void);
 
 #endif

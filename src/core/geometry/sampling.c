@@ -10,7 +10,7 @@ pdyn_status sample_box_volume(pdyn_context *context, const struct box *box, doub
     double cuts[3];
     long n[3];
     for (int a = 0; a < 3; a++) cuts[a] = sample_cells(box->max[a] - box->min[a], 2.0 * radius);
-    if (!(cuts[0] * cuts[1] * cuts[2] < POINT_LIST_MAX)) return point_list_too_many(context);
+    if (!(cuts[0] * cuts[1] * cuts[2] < POINT_LIST_MAX)) return point_list_too_many();
     for (int a = 0; a < 3; a++) n[a] = (long)cuts[a];
     for (long k = 0; k < n[0] * n[1] * n[2]; k++) {
         long cell[3] = {k % n[0], k / n[0] % n[1], k / n[0] / n[1]};
@@ -26,7 +26,7 @@ pdyn_status sample_sphere_volume(pdyn_context *context, const struct sphere *sph
                                  struct point_list *out) {
     double reach = sphere->radius - radius, half = floor(reach / (2.0 * radius) + 1e-9);
     double side = 2.0 * half + 1.0;
-    if (!(side * side * side < POINT_LIST_MAX)) return point_list_too_many(context);
+    if (!(side * side * side < POINT_LIST_MAX)) return point_list_too_many();
     pdyn_status status = PDYN_OK;
     for (double k = -half; k <= half; k++)
         for (double j = -half; j <= half; j++)
@@ -67,14 +67,13 @@ struct rectangle {
 };
 
 /* Refuses a surface that would take too much memory. */
-static pdyn_status check_points(pdyn_context *context, const char *name, const double length[2],
-                                double spacing, double count) {
+static pdyn_status check_points(const char *name, const double length[2], double spacing,
+                                double count) {
     if (count <= RECTANGLE_POINTS) return PDYN_OK;
-    return context_fail(
-        context, PDYN_BAD_INPUT,
-        "a side of \"%s\" has %.3g m^2, too many for points %g m apart (%.3g points, "
-        "at most %d): make it no larger than fluid reaches, or the particles larger",
-        name, length[0] * length[1], spacing, count, RECTANGLE_POINTS);
+    return set_error(PDYN_BAD_INPUT,
+                     "a side of \"%s\" has %.3g m^2, too many for points %g m apart (%.3g points, "
+                     "at most %d): make it no larger than fluid reaches, or the particles larger",
+                     name, length[0] * length[1], spacing, count, RECTANGLE_POINTS);
 }
 
 /* Covers a rectangle with a lattice of points, on its border as well. */
@@ -86,7 +85,7 @@ static pdyn_status sample_rectangle(pdyn_context *context, const char *name,
         cuts[k] = fmax(1.0, ceil(r->length[k] / spacing - 1e-9));
         pitch[k] = r->length[k] / cuts[k];
     }
-    pdyn_status status = check_points(context, name, r->length, spacing, cuts[0] * cuts[1]);
+    pdyn_status status = check_points(name, r->length, spacing, cuts[0] * cuts[1]);
     for (double i = 0; i <= cuts[0] && status == PDYN_OK; i++)
         for (double j = 0; j <= cuts[1] && status == PDYN_OK; j++) {
             double x[3], share = (i == 0 || i == cuts[0] ? 0.5 : 1.0);

@@ -70,10 +70,10 @@ static pdyn_status create_lattice(pdyn_context *context, double cell, struct stu
         if (points < TETS_MAX_POINTS) s->n[a] = 2 * (long)cuts + 1;
     }
     if (!(points < TETS_MAX_POINTS))
-        return context_fail(context, PDYN_BAD_INPUT,
-                            "cells of %.10g m are too small: expected at most %d lattice points, "
-                            "found %.10g",
-                            cell, TETS_MAX_POINTS, points);
+        return set_error(PDYN_BAD_INPUT,
+                         "cells of %.10g m are too small: expected at most %d lattice points, "
+                         "found %.10g",
+                         cell, TETS_MAX_POINTS, points);
     s->points = s->n[0] * s->n[1] * s->n[2];
     s->sign = NEW_ARRAY(context, s->points, signed char);
     s->moved = NEW_ARRAY(context, s->points, signed char);
@@ -306,9 +306,8 @@ static pdyn_status list_tets(pdyn_context *context, struct stuffing *s, double c
     free_list(context, s);
     add_all(s); /* counts */
     if (!s->count)
-        return context_fail(context, PDYN_BAD_INPUT,
-                            "cells of %.10g m are too large: none of their corners is inside",
-                            cell);
+        return set_error(PDYN_BAD_INPUT,
+                         "cells of %.10g m are too large: none of their corners is inside", cell);
     s->capacity = s->count, s->count = 0;
     s->corner = NEW_ARRAY(context, 4 * s->capacity, int64_t);
     s->key = NEW_ARRAY(context, 4 * s->capacity, int64_t);

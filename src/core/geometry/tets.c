@@ -59,9 +59,9 @@ static pdyn_status compute_volumes(pdyn_context *context, const char *name, cons
         vec3_cross(normal, side[0], side[1]);
         double volume = vec3_dot(normal, side[2]) / 6.0;
         if (!(fabs(volume) > 1e-9 * longest * longest * longest))
-            return context_fail(context, PDYN_BAD_INPUT,
-                                "%.1024s: tetrahedron %d (vertices %d, %d, %d, %d) has no volume",
-                                name, t, c[0], c[1], c[2], c[3]);
+            return set_error(PDYN_BAD_INPUT,
+                             "%.1024s: tetrahedron %d (vertices %d, %d, %d, %d) has no volume",
+                             name, t, c[0], c[1], c[2], c[3]);
         if (volume < 0.0) {
             int last = c[3];
             c[3] = c[2], c[2] = last;
@@ -100,14 +100,13 @@ static struct face *sorted_faces(pdyn_context *context, const struct tets *tets)
 
 /* Moves the faces that belong to a single tetrahedron to the front; returns their number, -1 with
  * an error set. */
-static int keep_outer(pdyn_context *context, const char *name, struct face *face, size_t count) {
+static int keep_outer(const char *name, struct face *face, size_t count) {
     int kept = 0;
     for (size_t f = 0, next; f < count; f = next) {
         for (next = f + 1; next < count && !compare_faces(&face[f], &face[next]);) next++;
         if (next - f > 2) {
-            context_fail(context, PDYN_BAD_INPUT,
-                         "%.1024s: the face of vertices %d, %d, %d has %zu tetrahedra", name,
-                         face[f].key[0], face[f].key[1], face[f].key[2], next - f);
+            set_error(PDYN_BAD_INPUT, "%.1024s: the face of vertices %d, %d, %d has %zu tetrahedra",
+                      name, face[f].key[0], face[f].key[1], face[f].key[2], next - f);
             return -1;
         }
         if (next - f == 1) face[kept++] = face[f];
@@ -120,7 +119,7 @@ pdyn_status tets_find_surface(pdyn_context *context, const char *name, struct me
     size_t count = 4 * (size_t)tets->count;
     struct face *face = sorted_faces(context, tets);
     if (!face) return PDYN_NO_MEMORY;
-    int kept = keep_outer(context, name, face, count);
+    int kept = keep_outer(name, face, count);
     if (kept > 0) mesh->triangle = NEW_ARRAY(context, 3 * (size_t)kept, int);
     if (mesh->triangle) mesh->triangles = kept;
     for (int t = 0; t < mesh->triangles; t++)

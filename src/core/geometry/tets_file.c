@@ -295,10 +295,10 @@ static pdyn_status read_any(struct reader *r, const char *path) {
     if (ends_with(path, length, ".node")) return read_tetgen(r, path, length);
     if (ends_with(path, length, ".ele")) return read_tetgen(r, path, length + 1);
     if (ends_with(path, length, ".msh")) return read_one(r, path, parse_msh);
-    return context_fail(r->file->in.context, PDYN_BAD_INPUT,
-                        "%.1024s: expected a mesh of tetrahedra ending with .node, .ele or .msh; "
-                        "\"cell\" fills a closed mesh of triangles with tetrahedra",
-                        path);
+    return set_error(PDYN_BAD_INPUT,
+                     "%.1024s: expected a mesh of tetrahedra ending with .node, .ele or .msh; "
+                     "\"cell\" fills a closed mesh of triangles with tetrahedra",
+                     path);
 }
 
 pdyn_status tets_read(pdyn_context *context, const char *path, struct mesh *mesh,
@@ -308,7 +308,7 @@ pdyn_status tets_read(pdyn_context *context, const char *path, struct mesh *mesh
     *mesh = (struct mesh){0}, *tets = (struct tets){0};
     pdyn_status status = read_any(&r, path);
     if (status == PDYN_OK && !r.count)
-        status = context_fail(context, PDYN_BAD_INPUT, "%.1024s: the mesh has no tetrahedra", path);
+        status = set_error(PDYN_BAD_INPUT, "%.1024s: the mesh has no tetrahedra", path);
     if (status == PDYN_OK) {
         mesh->vertices = file.vertices, tets->count = r.count;
         mesh->vertex =

@@ -74,11 +74,10 @@ pdyn_status mesh_check_used(pdyn_context *context, const char *name, int vertice
     while (v < vertices && used[v]) v++;
     FREE_ARRAY(context, used, vertices);
     if (v == vertices) return PDYN_OK;
-    return context_fail(context, PDYN_BAD_INPUT, "%.1024s: vertex %d is used by no %s", name, v,
-                        what);
+    return set_error(PDYN_BAD_INPUT, "%.1024s: vertex %d is used by no %s", name, v, what);
 }
 
-static pdyn_status check_areas(pdyn_context *context, const struct mesh *mesh, const char *name) {
+static pdyn_status check_areas(const struct mesh *mesh, const char *name) {
     for (int t = 0; t < mesh->triangles; t++) {
         const int *c = mesh->triangle + 3 * t;
         double area = area_of(mesh, t), longest = 0.0;
@@ -86,15 +85,15 @@ static pdyn_status check_areas(pdyn_context *context, const struct mesh *mesh, c
             longest = fmax(
                 longest, vec3_distance(mesh->vertex + 3 * c[k], mesh->vertex + 3 * c[(k + 1) % 3]));
         if (!(area > 1e-12 * longest * longest))
-            return context_fail(context, PDYN_BAD_INPUT,
-                                "%.1024s: triangle %d (vertices %d, %d, %d) has no area", name, t,
-                                c[0], c[1], c[2]);
+            return set_error(PDYN_BAD_INPUT,
+                             "%.1024s: triangle %d (vertices %d, %d, %d) has no area", name, t,
+                             c[0], c[1], c[2]);
     }
     return PDYN_OK;
 }
 
 /* Checks one edge: `count` sides from `side` on. */
-typedef pdyn_status check_edge_fn(pdyn_context *context, const struct mesh *mesh, const char *name,
+typedef pdyn_status check_edge_fn(const struct mesh *mesh, const char *name,
                                   const struct side *side, int count);
 
 static pdyn_status check_edges(pdyn_context *context, const struct mesh *mesh, const char *name,
@@ -105,35 +104,34 @@ static pdyn_status check_edges(pdyn_context *context, const struct mesh *mesh, c
     pdyn_status status = PDYN_OK;
     for (int first = 0; first < sides && status == PDYN_OK; first = last) {
         last = edge_end(side, sides, first);
-        status = check(context, mesh, name, side + first, last - first);
+        status = check(mesh, name, side + first, last - first);
     }
     FREE_ARRAY(context, side, sides);
     return status;
 }
 
-static pdyn_status check_cloth_edge(pdyn_context *context, const struct mesh *mesh,
-                                    const char *name, const struct side *side, int count) {
+static pdyn_status check_cloth_edge(const struct mesh *mesh, const char *name,
+                                    const struct side *side, int count) {
     if (count == 2 && mesh->triangle[side[0].corner] == mesh->triangle[side[1].corner])
-        return context_fail(context, PDYN_BAD_INPUT,
-                            "%.1024s: triangles %d and %d have the same vertices", name,
-                            side[0].corner / 3, side[1].corner / 3);
+        return set_error(PDYN_BAD_INPUT, "%.1024s: triangles %d and %d have the same vertices",
+                         name, side[0].corner / 3, side[1].corner / 3);
     if (count <= 2) return PDYN_OK;
     const double *x = mesh->vertex + 3 * (size_t)side->end[0];
-    return context_fail(context, PDYN_BAD_INPUT,
-                        "%.1024s: the edge between vertices %d and %d, at (%.4g, %.4g, %.4g) m, "
-                        "has %d triangles, expected at most 2",
-                        name, side->end[0], side->end[1], x[0], x[1], x[2], count);
+    return set_error(PDYN_BAD_INPUT,
+                     "%.1024s: the edge between vertices %d and %d, at (%.4g, %.4g, %.4g) m, "
+                     "has %d triangles, expected at most 2",
+                     name, side->end[0], side->end[1], x[0], x[1], x[2], count);
 }
 
-static pdyn_status check_closed_edge(pdyn_context *context, const struct mesh *mesh,
-                                     const char *name, const struct side *side, int count) {
+static pdyn_status check_closed_edge(const struct mesh *mesh, const char *name,
+                                     const struct side *side, int count) {
     if (count % 2 == 0) return PDYN_OK;
     const double *x = mesh->vertex + 3 * (size_t)side->end[0];
-    return context_fail(context, PDYN_BAD_INPUT,
-                        "%.1024s: the mesh is not closed: the edge between vertices %d and %d, at "
-                        "(%.4g, %.4g, %.4g) m, has %d triangle%s, expected 2",
-                        name, side->end[0], side->end[1], x[0], x[1], x[2], count,
-                        count == 1 ? "" : "s");
+    return set_error(PDYN_BAD_INPUT,
+                     "%.1024s: the mesh is not closed: the edge between vertices %d and %d, at "
+                     "(%.4g, %.4g, %.4g) m, has %d triangle%s, expected 2",
+                     name, side->end[0], side->end[1], x[0], x[1], x[2], count,
+                     count == 1 ? "" : "s");
 }
 
 pdyn_status mesh_check_edges(pdyn_context *context, const struct mesh *mesh, const char *name) {
@@ -156,7 +154,7 @@ pdyn_status mesh_visit_crowded_edges(pdyn_context *context, const struct mesh *m
 pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, const char *name) {
     pdyn_status status = mesh_check_used(context, name, mesh->vertices, mesh->triangle,
                                          3 * mesh->triangles, "triangle");
-    if (status == PDYN_OK) status = check_areas(context, mesh, name);
+    if (status == PDYN_OK) status = check_areas(mesh, name);
     return status == PDYN_OK ? mesh_check_edges(context, mesh, name) : status;
 }
 
@@ -164,30 +162,30 @@ pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, co
     int doubles;
     pdyn_status status = check_edges(context, mesh, name, check_closed_edge);
     if (status != PDYN_BAD_INPUT) return status;
-    char why[CONTEXT_ERROR];
+    char why[ERROR_LENGTH];
     snprintf(why, sizeof why, "%s", pdyn_last_error(NULL));
     status = mesh_count_duplicates(context, mesh, &doubles);
     if (status != PDYN_OK) return status;
     if (!doubles) return PDYN_BAD_INPUT;
-    return context_fail(context, PDYN_BAD_INPUT,
-                        "%.1500s; %d of its vertices lie where another one does already, along "
-                        "seams: merge them in the modelling program",
-                        why, doubles);
+    return set_error(PDYN_BAD_INPUT,
+                     "%.1500s; %d of its vertices lie where another one does already, along "
+                     "seams: merge them in the modelling program",
+                     why, doubles);
 }
 
 /* The triangles of an edge pass it in opposite directions. */
-static pdyn_status check_oriented_edge(pdyn_context *context, const struct mesh *mesh,
-                                       const char *name, const struct side *side, int count) {
+static pdyn_status check_oriented_edge(const struct mesh *mesh, const char *name,
+                                       const struct side *side, int count) {
     const int *one = mesh->triangle + side[0].corner / 3 * 3;
     for (int k = 1; k < count; k++) {
         const int *other = mesh->triangle + side[k].corner / 3 * 3;
         if (one[(side[0].corner + 1) % 3] != other[(side[k].corner + 1) % 3]) continue;
-        return context_fail(context, PDYN_BAD_INPUT,
-                            "%.1024s: triangles %d and %d face opposite sides: both have the edge "
-                            "from vertex %d to %d, expected one of them from %d to %d",
-                            name, side[0].corner / 3, side[k].corner / 3,
-                            one[(side[0].corner + 1) % 3], one[(side[0].corner + 2) % 3],
-                            one[(side[0].corner + 2) % 3], one[(side[0].corner + 1) % 3]);
+        return set_error(PDYN_BAD_INPUT,
+                         "%.1024s: triangles %d and %d face opposite sides: both have the edge "
+                         "from vertex %d to %d, expected one of them from %d to %d",
+                         name, side[0].corner / 3, side[k].corner / 3,
+                         one[(side[0].corner + 1) % 3], one[(side[0].corner + 2) % 3],
+                         one[(side[0].corner + 2) % 3], one[(side[0].corner + 1) % 3]);
     }
     return PDYN_OK;
 }
@@ -216,8 +214,7 @@ pdyn_status mesh_check_encloses(pdyn_context *context, const struct mesh *mesh, 
     double area = mesh_area(mesh);
     double volume = mesh_volume(mesh->triangles, mesh->triangle, mesh->vertex);
     if (fabs(volume) > 1e-9 * area * sqrt(area)) return PDYN_OK;
-    return context_fail(context, PDYN_BAD_INPUT, "%.1024s: the mesh is flat: it encloses no volume",
-                        name);
+    return set_error(PDYN_BAD_INPUT, "%.1024s: the mesh is flat: it encloses no volume", name);
 }
 
 /* ---- vertices at the same place -------------------------------------------------------------- */

@@ -134,16 +134,15 @@ static void offer_lattice(struct selection *s, const struct pattern *p, int tria
 }
 
 /* Refuses a surface that would take too long. */
-static pdyn_status check_size(pdyn_context *context, const char *name, const struct mesh *mesh,
-                              double spacing) {
+static pdyn_status check_size(const char *name, const struct mesh *mesh, double spacing) {
     double count = count_all(mesh, spacing);
     if (count <= SURFACE_CANDIDATES) return PDYN_OK;
-    return context_fail(context, PDYN_BAD_INPUT,
-                        "the surface of \"%s\" has %.3g m^2, too many for samples %g m apart "
-                        "(%.3g points to choose from, at most %d): if its mesh is not in metres, "
-                        "give it a \"scale\"; else make it no larger than fluid reaches, or the "
-                        "particles larger",
-                        name, mesh_area(mesh), spacing, count, SURFACE_CANDIDATES);
+    return set_error(PDYN_BAD_INPUT,
+                     "the surface of \"%s\" has %.3g m^2, too many for samples %g m apart "
+                     "(%.3g points to choose from, at most %d): if its mesh is not in metres, "
+                     "give it a \"scale\"; else make it no larger than fluid reaches, or the "
+                     "particles larger",
+                     name, mesh_area(mesh), spacing, count, SURFACE_CANDIDATES);
 }
 
 /* Selects from the candidates of all triangles. */
@@ -231,7 +230,7 @@ static pdyn_status share_surface(pdyn_context *context, const struct mesh *mesh,
                                  const double *x, struct surface_points *points) {
     struct grid grid = {0};
     pdyn_status status = grid_create(context, points->count, 1.1 * spacing, &grid);
-    if (status == PDYN_OK) status = grid_sort(context, &grid, points->count, NULL, x);
+    if (status == PDYN_OK) status = grid_sort(&grid, points->count, NULL, x);
     struct sharing sharing = {&grid, x, points, {0}};
     for (int t = 0; status == PDYN_OK && t < mesh->triangles; t++) {
         const double *c[3];
@@ -245,7 +244,7 @@ static pdyn_status share_surface(pdyn_context *context, const struct mesh *mesh,
 pdyn_status sample_triangles(pdyn_context *context, const char *name, const struct mesh *mesh,
                              double spacing, struct surface_points *out) {
     struct selection s = {context, mesh, {.distance = 0.75 * spacing}, out, PDYN_OK};
-    s.status = check_size(context, name, mesh, spacing);
+    s.status = check_size(name, mesh, spacing);
     if (s.status == PDYN_OK) select_points(&s, spacing);
     if (s.status == PDYN_OK && out->count)
         s.status = share_surface(context, mesh, spacing, s.set.at.x, out);

@@ -66,8 +66,8 @@ static pdyn_status find_blocks(struct matrix *matrix, const struct objective *ob
     for (int i = 0; i < n; i++) {
         blocks += (size_t)matrix->block_start[i + 1];
         if (blocks * (size_t)matrix->dim * (size_t)matrix->dim > INT32_MAX)
-            return context_fail(
-                matrix->context, PDYN_SOLVER_FAILED,
+            return set_error(
+                PDYN_SOLVER_FAILED,
                 "the matrix of this scene has more than 2^31 entries; use solver \"cg\"");
         matrix->block_start[i + 1] = (int)blocks;
     }

@@ -76,9 +76,9 @@ static pdyn_matrix matrix_view(const struct matrix *m) {
 static pdyn_status matrix(pdyn_model *model, pdyn_matrix *out) {
     struct solver_view *view = (struct solver_view *)model;
     if (model->solve_bodies)
-        return context_fail(view->objective->context, PDYN_SOLVER_FAILED,
-                            "the matrix of a scene with rigid bodies is not assembled; use solver "
-                            "\"cg\"");
+        return set_error(PDYN_SOLVER_FAILED,
+                         "the matrix of a scene with rigid bodies is not assembled; use solver "
+                         "\"cg\"");
     struct hessian_matrix *h = &view->hessian;
     bool pattern = false, values = false;
     pdyn_status status = h->context ? PDYN_OK : hessian_matrix_create(h, view->objective);

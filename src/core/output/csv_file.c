@@ -12,7 +12,7 @@
 static pdyn_status open_stream(pdyn_context *context, const char *path, int create,
                                struct csv_file *file) {
     int descriptor;
-    pdyn_status status = file_open_in_place(context, path, create, &descriptor);
+    pdyn_status status = file_open_in_place(path, create, &descriptor);
     if (status != PDYN_OK) return status;
     file->stream = fdopen(descriptor, "r+b");
     if (!file->stream) {
@@ -23,29 +23,27 @@ static pdyn_status open_stream(pdyn_context *context, const char *path, int crea
     return PDYN_OK;
 }
 
-static pdyn_status cut(pdyn_context *context, const char *path, struct csv_file *file) {
+static pdyn_status cut(const char *path, struct csv_file *file) {
     if (!ftruncate(fileno(file->stream), file->size) && !fseek(file->stream, 0, SEEK_END))
         return PDYN_OK;
-    return context_fail(context, PDYN_IO_FAILED, "%.1024s: cannot be cut: %s", path,
-                        strerror(errno));
+    return set_error(PDYN_IO_FAILED, "%.1024s: cannot be cut: %s", path, strerror(errno));
 }
 
 pdyn_status csv_create(pdyn_context *context, const char *path, struct csv_file *file) {
     pdyn_status status = open_stream(context, path, O_CREAT, file);
-    return status == PDYN_OK ? cut(context, path, file) : status;
+    return status == PDYN_OK ? cut(path, file) : status;
 }
 
 pdyn_status csv_reopen(pdyn_context *context, const char *path, struct csv_file *file) {
     pdyn_status status = open_stream(context, path, 0, file);
     if (status != PDYN_OK) return status;
     if (fseek(file->stream, 0, SEEK_END) || ftell(file->stream) < file->size)
-        return context_fail(context, PDYN_BAD_INPUT,
-                            "%.1024s: the file is shorter than when the state was saved", path);
-    return cut(context, path, file);
+        return set_error(PDYN_BAD_INPUT,
+                         "%.1024s: the file is shorter than when the state was saved", path);
+    return cut(path, file);
 }
 
-pdyn_status csv_append(pdyn_context *context, const char *path, struct csv_file *file,
-                       const char *row) {
+pdyn_status csv_append(const char *path, struct csv_file *file, const char *row) {
     size_t length = strlen(row);
     if (fwrite(row, 1, length, file->stream) == length) {
         file->size += (long)length;
@@ -54,8 +52,8 @@ pdyn_status csv_append(pdyn_context *context, const char *path, struct csv_file 
     int error = errno;
     bool whole = !ftruncate(fileno(file->stream), file->size) && !fseek(file->stream, 0, SEEK_END);
     clearerr(file->stream);
-    return context_fail(context, PDYN_IO_FAILED, "%.1024s: writing failed: %s%s", path,
-                        strerror(error), whole ? "" : "; the last row is incomplete");
+    return set_error(PDYN_IO_FAILED, "%.1024s: writing failed: %s%s", path, strerror(error),
+                     whole ? "" : "; the last row is incomplete");
 }
 
 void csv_close(struct csv_file *file) {

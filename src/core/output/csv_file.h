@@ -19,8 +19,7 @@ pdyn_status csv_create(pdyn_context *context, const char *path, struct csv_file 
 /* Opens the file and removes the rows after `file->size`. PDYN_BAD_INPUT: it is shorter. */
 pdyn_status csv_reopen(pdyn_context *context, const char *path, struct csv_file *file);
 /* Appends a row, completely or not at all, even on a full disk. */
-pdyn_status csv_append(pdyn_context *context, const char *path, struct csv_file *file,
-                       const char *row);
+pdyn_status csv_append(const char *path, struct csv_file *file, const char *row);
 void csv_close(struct csv_file *file);
 
 #endif

@@ -26,8 +26,7 @@ static void append_number(pdyn_writer *writer, double number) {
 
 static pdyn_status write_row(pdyn_writer *writer, struct csv_file *file) {
     text_append(writer->row, writer->row_size, "\n");
-    pdyn_status status =
-        csv_append(writer->context, writer_path(writer, "%s", file->name), file, writer->row);
+    pdyn_status status = csv_append(writer_path(writer, "%s", file->name), file, writer->row);
     *writer->row = '\0';
     return status;
 }
@@ -128,7 +127,7 @@ pdyn_status metrics_open(pdyn_writer *writer) {
     if (status == PDYN_OK) status = begin_metrics(writer);
     if (status != PDYN_OK) return status;
     path = writer_path(writer, "%s", writer->probes.name);
-    if (!writer->sim->probes) return previous_run_remove_file(writer, path);
+    if (!writer->sim->probes) return previous_run_remove_file(path);
     status = csv_create(writer->context, path, &writer->probes);
     return status == PDYN_OK ? begin_probes(writer) : status;
 }

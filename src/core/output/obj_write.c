@@ -113,8 +113,8 @@ static pdyn_status load_source(const pdyn_sim *sim, int body, char **text, size_
     if (status != PDYN_OK || !*text) return status;
     mesh_obj_join_lines(*text, *size);
     if (count_vertices(*text, *text + *size) == pdyn_get_body(sim, body).count) return PDYN_OK;
-    return context_fail(sim->context, PDYN_BAD_INPUT,
-                        "%.1024s: the file has changed since the scene was read", path);
+    return set_error(PDYN_BAD_INPUT, "%.1024s: the file has changed since the scene was read",
+                     path);
 }
 
 static pdyn_status write_file(const pdyn_sim *sim, int body, const char *text, size_t size,

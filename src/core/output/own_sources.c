@@ -20,10 +20,10 @@ bool own_source(const pdyn_sim *sim, const char *path) {
 
 static pdyn_status refuse(const pdyn_sim *sim, const char *path) {
     if (!own_source(sim, path)) return PDYN_OK;
-    return context_fail(sim->context, PDYN_BAD_INPUT,
-                        "%.1024s: the scene reads this file, which the run would replace: "
-                        "expected another directory for the run",
-                        path);
+    return set_error(PDYN_BAD_INPUT,
+                     "%.1024s: the scene reads this file, which the run would replace: "
+                     "expected another directory for the run",
+                     path);
 }
 
 /* Whether a file may be a frame of this run, or of one before that this run removes. */

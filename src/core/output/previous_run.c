@@ -77,11 +77,10 @@ static bool is_frame_of(const char *name, const char *file) {
     return ending && !strcmp(ending, SHAPE_ENDING);
 }
 
-pdyn_status previous_run_remove_file(pdyn_writer *writer, const char *path) {
+pdyn_status previous_run_remove_file(const char *path) {
     if (!unlink(path) || errno == ENOENT) return PDYN_OK;
-    return context_fail(writer->context, PDYN_IO_FAILED,
-                        "%.1024s: cannot remove the file of a previous run: %s", path,
-                        strerror(errno));
+    return set_error(PDYN_IO_FAILED, "%.1024s: cannot remove the file of a previous run: %s", path,
+                     strerror(errno));
 }
 
 static pdyn_status remove_frame(pdyn_writer *writer, const char *folder, const char *file) {
@@ -91,7 +90,7 @@ static pdyn_status remove_frame(pdyn_writer *writer, const char *folder, const c
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < kinds && status == PDYN_OK; k++)
         status = previous_run_remove_file(
-            writer, writer_path(writer, "%s%.*s%s", folder, stem, file, endings[k]));
+            writer_path(writer, "%s%.*s%s", folder, stem, file, endings[k]));
     return status;
 }
 
@@ -139,7 +138,7 @@ static pdyn_status remove_file(pdyn_writer *writer, const char *path) {
                  own_name(path, SKIN_ENDING, &folder) || own_name(path, SHAPE_ENDING, &folder));
     if (!own) return PDYN_OK;
     path = writer_path(writer, "%s", path);
-    return own_source(writer->sim, path) ? PDYN_OK : previous_run_remove_file(writer, path);
+    return own_source(writer->sim, path) ? PDYN_OK : previous_run_remove_file(path);
 }
 
 /* Surfaces of a fluid by `projdyn mesh`, one for each frame, or fewer; a link is not followed. */
@@ -148,8 +147,7 @@ static pdyn_status remove_surfaces(pdyn_writer *writer, const char *name) {
     if (lstat(writer_path(writer, "mesh"), &info) || !S_ISDIR(info.st_mode)) return PDYN_OK;
     pdyn_status status = previous_run_remove_frames(writer, "", name, MESH_FOLDER);
     if (status != PDYN_OK) return status;
-    return previous_run_remove_file(writer,
-                                    writer_path(writer, MESH_FOLDER "%s" SERIES_ENDING, name));
+    return previous_run_remove_file(writer_path(writer, MESH_FOLDER "%s" SERIES_ENDING, name));
 }
 
 static pdyn_status remove_series(pdyn_writer *writer, const char *path) {
@@ -158,8 +156,7 @@ static pdyn_status remove_series(pdyn_writer *writer, const char *path) {
     pdyn_status status = *folder ? PDYN_OK : remove_surfaces(writer, name);
     if (status == PDYN_OK) status = previous_run_remove_frames(writer, folder, name, folder);
     if (status != PDYN_OK) return status;
-    return previous_run_remove_file(writer,
-                                    writer_path(writer, "%s%s" SERIES_ENDING, folder, name));
+    return previous_run_remove_file(writer_path(writer, "%s%s" SERIES_ENDING, folder, name));
 }
 
 static pdyn_status remove_each(pdyn_writer *writer, const json_t *paths,

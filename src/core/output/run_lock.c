@@ -27,11 +27,10 @@ static bool write_holder(int descriptor) {
 /* errno is that of flock or write_holder. */
 static pdyn_status fail_lock(pdyn_writer *writer, const char *path) {
     if (errno == EWOULDBLOCK)
-        return context_fail(writer->context, PDYN_BAD_INPUT,
-                            "%.1024s: another run writes to this directory: process %ld", path,
-                            read_holder(writer->lock));
-    return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: cannot lock the file: %s", path,
-                        strerror(errno));
+        return set_error(PDYN_BAD_INPUT,
+                         "%.1024s: another run writes to this directory: process %ld", path,
+                         read_holder(writer->lock));
+    return set_error(PDYN_IO_FAILED, "%.1024s: cannot lock the file: %s", path, strerror(errno));
 }
 
 /* Whether errno says that the file system has no locks, as some network file systems. */
@@ -39,7 +38,7 @@ static bool has_no_locks(void) { return errno == ENOSYS || errno == EOPNOTSUPP |
 
 pdyn_status run_lock(pdyn_writer *writer) {
     const char *path = writer_path(writer, LOCK_FILE);
-    pdyn_status status = file_open_in_place(writer->context, path, O_CREAT, &writer->lock);
+    pdyn_status status = file_open_in_place(path, O_CREAT, &writer->lock);
     if (status != PDYN_OK) return status;
     if (flock(writer->lock, LOCK_EX | LOCK_NB)) {
         if (!has_no_locks()) return fail_lock(writer, path);

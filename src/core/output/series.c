@@ -62,16 +62,15 @@ static pdyn_status replace_brackets(pdyn_writer *writer, struct part part, int d
     if (write_at(descriptor, at, text)) return PDYN_OK;
     int error = errno;
     bool whole = write_at(descriptor, at, brackets) && !ftruncate(descriptor, size);
-    return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: writing failed: %s%s",
-                        series_path(writer, part), strerror(error),
-                        whole ? "" : "; its end is missing");
+    return set_error(PDYN_IO_FAILED, "%.1024s: writing failed: %s%s", series_path(writer, part),
+                     strerror(error), whole ? "" : "; its end is missing");
 }
 
 pdyn_status series_append(pdyn_writer *writer, struct part part, int f) {
     int descriptor;
     off_t size;
     pdyn_status status = PDYN_OK;
-    if (!f || file_open_in_place(writer->context, series_path(writer, part), 0, &descriptor))
+    if (!f || file_open_in_place(series_path(writer, part), 0, &descriptor))
         return series_write(writer, part, f + 1);
     bool known = ends_with(descriptor, entry_of(writer, part, f - 1, brackets).text, &size);
     if (known)

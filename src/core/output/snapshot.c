@@ -80,12 +80,12 @@ static void note_status(struct snapshot_file *file, pdyn_status status) {
 static void persist_modules(struct pdyn_sim *sim, struct snapshot_file *file) {
     for (int b = 0; b < sim->objective.batches && file->status == PDYN_OK; b++) {
         struct batch *batch = sim->objective.batch[b];
-        unsigned errors = context_errors();
+        unsigned errors = error_count();
         if (batch->op && batch->type->matrix_free->persist)
             note_status(file,
-                        context_module(batch->type->name,
-                                       batch->type->matrix_free->persist(batch->op, &file->view),
-                                       errors));
+                        error_of_module(batch->type->name,
+                                        batch->type->matrix_free->persist(batch->op, &file->view),
+                                        errors));
         if (batch->op && file->status == PDYN_OK) one_sided_persist(&batch->one_sided, file);
         size_t size = batch->type->memory_size;
         if (size) row_memory_persist(sim->context, &batch->memory, size, file);

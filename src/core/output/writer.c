@@ -43,10 +43,8 @@ static pdyn_status make_directory(pdyn_writer *writer) {
         *slash = '\0';
         int error = mkdir(path, 0777) ? errno : 0;
         if (error && !is_directory(path))
-            return context_fail(writer->context,
-                                error == EEXIST || error == ENOTDIR ? PDYN_BAD_INPUT
-                                                                    : PDYN_IO_FAILED,
-                                "%.1024s: cannot make the directory: %s", path, strerror(error));
+            return set_error(error == EEXIST || error == ENOTDIR ? PDYN_BAD_INPUT : PDYN_IO_FAILED,
+                             "%.1024s: cannot make the directory: %s", path, strerror(error));
         *slash = '/';
     }
     return PDYN_OK;
@@ -139,10 +137,10 @@ static pdyn_status begin_boundary(pdyn_writer *writer) {
     const char *path = writer_path(writer, BOUNDARY SHAPE_ENDING);
     pdyn_status status = state.boundary > state.moving
                              ? vtk_write_boundary(writer->sim, false, path)
-                             : previous_run_remove_file(writer, path);
+                             : previous_run_remove_file(path);
     if (status == PDYN_OK) status = previous_run_remove_frames(writer, "", BOUNDARY, "");
     if (status != PDYN_OK || state.moving) return status;
-    return previous_run_remove_file(writer, writer_path(writer, BOUNDARY SERIES_ENDING));
+    return previous_run_remove_file(writer_path(writer, BOUNDARY SERIES_ENDING));
 }
 
 /* Writes a solid at rest, once. Removes the files of a solid of this name in a previous run. */
@@ -153,9 +151,9 @@ static pdyn_status begin_solid(pdyn_writer *writer, int s) {
     if (status != PDYN_OK) return status;
     if (solid->motion.keys)
         return previous_run_remove_file(
-            writer, writer_path(writer, SOLIDS_FOLDER "%s" SHAPE_ENDING, solid->name));
+            writer_path(writer, SOLIDS_FOLDER "%s" SHAPE_ENDING, solid->name));
     status = previous_run_remove_file(
-        writer, writer_path(writer, SOLIDS_FOLDER "%s" SERIES_ENDING, solid->name));
+        writer_path(writer, SOLIDS_FOLDER "%s" SERIES_ENDING, solid->name));
     if (status != PDYN_OK) return status;
     return vtk_write_solid(writer->sim, s,
                            writer_path(writer, SOLIDS_FOLDER "%s" SHAPE_ENDING, solid->name));
@@ -174,7 +172,7 @@ static pdyn_status begin_solids(pdyn_writer *writer) {
 static pdyn_status begin_skin(pdyn_writer *writer, int b) {
     const char *path = writer_path(writer, "%s" SKIN_ENDING, writer->sim->body[b].name);
     return writer->sim->scene.body[b].skin.vertices ? vtk_write_skin(writer->sim, b, path)
-                                                    : previous_run_remove_file(writer, path);
+                                                    : previous_run_remove_file(path);
 }
 
 /* Removes the frames of a body in a previous run; writes the OBJ file of a surface, once. */
@@ -191,8 +189,7 @@ static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
     if (status == PDYN_OK) status = make_directory(writer);
     if (status == PDYN_OK) status = run_lock(writer);
     if (status == PDYN_OK) status = own_sources_check(writer);
-    if (status == PDYN_OK)
-        status = previous_run_remove_file(writer, writer_path(writer, STATE_FILE));
+    if (status == PDYN_OK) status = previous_run_remove_file(writer_path(writer, STATE_FILE));
     if (status == PDYN_OK) status = previous_run_remove(writer);
     if (status == PDYN_OK) status = previous_run_list(writer);
     if (status == PDYN_OK) status = begin_boundary(writer);

@@ -49,7 +49,7 @@ pdyn_status previous_run_remove(pdyn_writer *writer);
 pdyn_status previous_run_remove_frames(pdyn_writer *writer, const char *list, const char *name,
                                        const char *folder);
 /* Removes one of its files, if it exists. */
-pdyn_status previous_run_remove_file(pdyn_writer *writer, const char *path);
+pdyn_status previous_run_remove_file(const char *path);
 /* Lists the files of this run, for the next one. */
 pdyn_status previous_run_list(pdyn_writer *writer);
 

@@ -16,8 +16,8 @@ pdyn_status rows_fault(const struct batch *b, const char *format, ...) {
     va_start(args, format);
     vsnprintf(what, sizeof what, format, args);
     va_end(args);
-    return context_fail(b->context, PDYN_BAD_INPUT, "constraint \"%s\" on body \"%s\": %s",
-                        b->type->name, b->view.body->name, what);
+    return set_error(PDYN_BAD_INPUT, "constraint \"%s\" on body \"%s\": %s", b->type->name,
+                     b->view.body->name, what);
 }
 
 /* Whether a parameter names the body of this particle. */

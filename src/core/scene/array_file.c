@@ -7,60 +7,55 @@
 
 /* ---- checks ---------------------------------------------------------------------------------- */
 
-static pdyn_status check_name(pdyn_context *context, const struct array_kind *kind,
-                              const char *name) {
+static pdyn_status check_name(const struct array_kind *kind, const char *name) {
     size_t length = strlen(name), n = strlen(kind->ending);
     if (length > n && length < sizeof((struct array_file *)0)->name && !strchr(name, '/') &&
         !strcasecmp(name + length - n, kind->ending))
         return PDYN_OK;
-    return context_fail(context, PDYN_BAD_INPUT,
-                        "%.256s: expected a name without '/', of at most 255 bytes, that ends with "
-                        "%s",
-                        name, kind->ending);
+    return set_error(PDYN_BAD_INPUT,
+                     "%.256s: expected a name without '/', of at most 255 bytes, that ends with "
+                     "%s",
+                     name, kind->ending);
 }
 
-static pdyn_status check_count(pdyn_context *context, const struct array_file *file,
-                               const char *what, int count) {
+static pdyn_status check_count(const struct array_file *file, const char *what, int count) {
     if (count >= 1 && count <= MESH_MAX) return PDYN_OK;
-    return context_fail(context, PDYN_BAD_INPUT, "%s: number of %s: expected 1 to %d, found %d",
-                        file->name, what, MESH_MAX, count);
+    return set_error(PDYN_BAD_INPUT, "%s: number of %s: expected 1 to %d, found %d", file->name,
+                     what, MESH_MAX, count);
 }
 
-static pdyn_status check_vectors(pdyn_context *context, const struct array_file *file,
-                                 const double *x, double max, const char *unit) {
+static pdyn_status check_vectors(const struct array_file *file, const double *x, double max,
+                                 const char *unit) {
     for (size_t i = 0; x && i < 3 * (size_t)file->points; i++)
         if (!(fabs(x[i]) <= max))
-            return context_fail(context, PDYN_BAD_INPUT,
-                                "%s: %s %zu: expected a finite %s%c of at most %g %s, found %g",
-                                file->name, file->kind->point, i / 3, x == file->v ? "v" : "",
-                                "xyz"[i % 3], max, unit, x[i]);
+            return set_error(PDYN_BAD_INPUT,
+                             "%s: %s %zu: expected a finite %s%c of at most %g %s, found %g",
+                             file->name, file->kind->point, i / 3, x == file->v ? "v" : "",
+                             "xyz"[i % 3], max, unit, x[i]);
     return PDYN_OK;
 }
 
-static pdyn_status check_element(pdyn_context *context, const struct array_file *file,
-                                 const int *corner, int element) {
+static pdyn_status check_element(const struct array_file *file, const int *corner, int element) {
     for (int k = 0; k < file->kind->corners; k++) {
         if (corner[k] < 0 || corner[k] >= file->points)
-            return context_fail(context, PDYN_BAD_INPUT,
-                                "%s: %s %d uses vertex %d, expected 0 to %d", file->name,
-                                file->kind->element, element, corner[k], file->points - 1);
+            return set_error(PDYN_BAD_INPUT, "%s: %s %d uses vertex %d, expected 0 to %d",
+                             file->name, file->kind->element, element, corner[k], file->points - 1);
         for (int m = 0; m < k; m++)
             if (corner[m] == corner[k])
-                return context_fail(context, PDYN_BAD_INPUT, "%s: %s %d uses vertex %d twice",
-                                    file->name, file->kind->element, element, corner[k]);
+                return set_error(PDYN_BAD_INPUT, "%s: %s %d uses vertex %d twice", file->name,
+                                 file->kind->element, element, corner[k]);
     }
     return PDYN_OK;
 }
 
-static pdyn_status check(pdyn_context *context, const struct array_file *file) {
-    pdyn_status status = check_count(context, file, "points", file->points);
+static pdyn_status check(const struct array_file *file) {
+    pdyn_status status = check_count(file, "points", file->points);
     if (status == PDYN_OK && file->kind->corners)
-        status = check_count(context, file, "elements", file->elements);
-    if (status == PDYN_OK) status = check_vectors(context, file, file->x, MESH_MAX_COORDINATE, "m");
-    if (status == PDYN_OK) status = check_vectors(context, file, file->v, MESH_MAX_SPEED, "m/s");
+        status = check_count(file, "elements", file->elements);
+    if (status == PDYN_OK) status = check_vectors(file, file->x, MESH_MAX_COORDINATE, "m");
+    if (status == PDYN_OK) status = check_vectors(file, file->v, MESH_MAX_SPEED, "m/s");
     for (int e = 0; e < file->elements && status == PDYN_OK; e++)
-        status =
-            check_element(context, file, file->corner + (size_t)e * (size_t)file->kind->corners, e);
+        status = check_element(file, file->corner + (size_t)e * (size_t)file->kind->corners, e);
     return status;
 }
 
@@ -102,13 +97,13 @@ static void drop(pdyn_context *context, struct array_file **list, const char *na
 
 pdyn_status array_file_add(pdyn_context *context, struct array_file **list, const char *name,
                            const struct array_file *from) {
-    pdyn_status status = check_name(context, from->kind, name);
+    pdyn_status status = check_name(from->kind, name);
     if (status != PDYN_OK) return status;
     struct array_file *file = NEW_ARRAY(context, 1, struct array_file);
     if (!file) return PDYN_NO_MEMORY;
     *file = *from;
     strcpy(file->name, name);
-    status = check(context, file);
+    status = check(file);
     if (status != PDYN_OK) return FREE_ARRAY(context, file, 1), status;
     status = own(context, file);
     if (status != PDYN_OK) return free_file(context, file), status;
@@ -131,10 +126,9 @@ void array_file_free_all(pdyn_context *context, struct array_file **list) {
 
 /* ---- copies ---------------------------------------------------------------------------------- */
 
-static pdyn_status fail_kind(pdyn_context *context, const struct array_file *file,
-                             const struct array_kind *expected) {
-    return context_fail(context, PDYN_BAD_INPUT, "%s: expected arrays of %s, found those of %s",
-                        file->name, expected->call, file->kind->call);
+static pdyn_status fail_kind(const struct array_file *file, const struct array_kind *expected) {
+    return set_error(PDYN_BAD_INPUT, "%s: expected arrays of %s, found those of %s", file->name,
+                     expected->call, file->kind->call);
 }
 
 static pdyn_status copy_points(pdyn_context *context, const struct array_file *file, int triangles,
@@ -148,7 +142,7 @@ static pdyn_status copy_points(pdyn_context *context, const struct array_file *f
 pdyn_status array_file_mesh(pdyn_context *context, const struct array_file *file,
                             struct mesh *mesh) {
     *mesh = (struct mesh){0};
-    if (file->kind != &array_surface) return fail_kind(context, file, &array_surface);
+    if (file->kind != &array_surface) return fail_kind(file, &array_surface);
     pdyn_status status = copy_points(context, file, file->elements, mesh);
     if (status == PDYN_OK)
         memcpy(mesh->triangle, file->corner, corners(file) * sizeof *file->corner);
@@ -158,7 +152,7 @@ pdyn_status array_file_mesh(pdyn_context *context, const struct array_file *file
 pdyn_status array_file_tets(pdyn_context *context, const struct array_file *file, struct mesh *mesh,
                             struct tets *tets) {
     *mesh = (struct mesh){0}, *tets = (struct tets){0};
-    if (file->kind != &array_volume) return fail_kind(context, file, &array_volume);
+    if (file->kind != &array_volume) return fail_kind(file, &array_volume);
     pdyn_status status = copy_points(context, file, 0, mesh);
     if (status != PDYN_OK) return status;
     tets->corner = NEW_ARRAY(context, corners(file), int);
@@ -171,7 +165,7 @@ pdyn_status array_file_tets(pdyn_context *context, const struct array_file *file
 pdyn_status array_file_particles(pdyn_context *context, const struct array_file *file,
                                  struct particles *particles) {
     *particles = (struct particles){0};
-    if (file->kind == &array_volume) return fail_kind(context, file, &array_particles);
+    if (file->kind == &array_volume) return fail_kind(file, &array_particles);
     size_t numbers = 3 * (size_t)file->points;
     particles->count = file->points;
     particles->x = NEW_ARRAY(context, numbers, double);

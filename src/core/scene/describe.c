@@ -142,8 +142,8 @@ static pdyn_status fail_unknown(pdyn_context *context, const char *name) {
     char clipped[64], hint[768] = "";
     int count = 0;
     if (library)
-        return context_fail(context, PDYN_BAD_INPUT,
-                            "this build has no solver \"%s\" (built without %s)", name, library);
+        return set_error(PDYN_BAD_INPUT, "this build has no solver \"%s\" (built without %s)", name,
+                         library);
     for (int k = 0; registry_constraint_at(context, k) && count < NAMES; k++)
         names[count++] = registry_constraint_at(context, k)->name;
     for (int k = 0; registry_solver_at(context, k) && count < NAMES; k++)
@@ -152,8 +152,7 @@ static pdyn_status fail_unknown(pdyn_context *context, const char *name) {
     text_hint(hint, sizeof hint, name, names, count);
     if (context->plugins == 1) /* the built-in types */
         text_append(hint, sizeof hint, "; types of a plug-in: projdyn list --plugin FILE");
-    return context_fail(context, PDYN_BAD_INPUT, "no constraint and no solver \"%s\"%s", clipped,
-                        hint);
+    return set_error(PDYN_BAD_INPUT, "no constraint and no solver \"%s\"%s", clipped, hint);
 }
 
 pdyn_status pdyn_describe(pdyn_context *context, const char *name,

@@ -105,7 +105,7 @@ static pdyn_status fill_placed_mesh(const struct json_at *at, struct fill *fill,
     pdyn_context *context = at->file->context;
     struct point_list *start = &fill->body->start;
     int before = start->count;
-    pdyn_status status = mesh_check(context, mesh, "as placed");
+    pdyn_status status = mesh_check(mesh, "as placed");
     if (status == PDYN_OK) status = mesh_check_closed(context, mesh, json_string_value(at->value));
     if (status == PDYN_OK) status = sample_mesh_volume(context, mesh, fill->body->radius, start);
     status = json_wrap(at, status);

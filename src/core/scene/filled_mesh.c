@@ -11,7 +11,7 @@ static pdyn_status fill(pdyn_context *context, double cell, struct scene_body *b
     struct mesh *surface = &body->skin;
     struct mesh_turned turned;
     double filled = 0.0;
-    pdyn_status status = mesh_check(context, surface, "as placed");
+    pdyn_status status = mesh_check(surface, "as placed");
     if (status == PDYN_OK) status = mesh_check_closed(context, surface, "\"cell\"");
     if (status == PDYN_OK) status = mesh_orient_pieces(context, surface, &turned);
     if (status == PDYN_OK) status = tets_fill(context, surface, cell, &body->mesh, &body->tets);

@@ -139,8 +139,7 @@ static pdyn_status fail(const struct json_at *at, bool at_key, const char *forma
     /* for an unknown key, the path ends at the object: the message has the key */
     append_path(at_key ? at->parent : at, path, sizeof path);
     vsnprintf(message, sizeof message, format, args);
-    return context_fail(at->file->context, PDYN_BAD_INPUT, "%s%s%s%s", place, path,
-                        *path ? ": " : "", message);
+    return set_error(PDYN_BAD_INPUT, "%s%s%s%s", place, path, *path ? ": " : "", message);
 }
 
 pdyn_status json_fail(const struct json_at *at, const char *format, ...) {
@@ -173,7 +172,7 @@ pdyn_status json_expected(const struct json_at *at, const char *what) {
 }
 
 pdyn_status json_wrap(const struct json_at *at, pdyn_status status) {
-    char text[CONTEXT_ERROR];
+    char text[ERROR_LENGTH];
     if (status == PDYN_OK || status == PDYN_NO_MEMORY) return status;
     text_clip(text, sizeof text, pdyn_last_error(NULL));
     json_fail(at, "%s", text);
@@ -209,8 +208,8 @@ static pdyn_status parse(struct json_file *file) {
     json_error_t error = {.text = ""};
     char text[JSON_ERROR_TEXT_LENGTH];
     if (!strncmp(file->text, "\177ELF", 4))
-        return context_fail(
-            file->context, PDYN_BAD_INPUT,
+        return set_error(
+            PDYN_BAD_INPUT,
             "%.1024s: a program or a shared library, expected a scene; a plug-in is loaded by "
             "--plugin FILE and checked by projdyn check --conformance FILE",
             file->name);
@@ -220,9 +219,9 @@ static pdyn_status parse(struct json_file *file) {
     struct json_at root = json_root(file);
     if (file->root) return json_is_object(file->root) ? PDYN_OK : json_expected(&root, "an object");
     text_clip(text, sizeof text, error.text);
-    return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s:%d:%d: not valid JSON: %s%s",
-                        file->name, error.line < 1 ? 1 : error.line,
-                        error.column < 1 ? 1 : error.column, text, syntax_hint(file, text));
+    return set_error(PDYN_BAD_INPUT, "%.1024s:%d:%d: not valid JSON: %s%s", file->name,
+                     error.line < 1 ? 1 : error.line, error.column < 1 ? 1 : error.column, text,
+                     syntax_hint(file, text));
 }
 
 pdyn_status json_file_open(pdyn_context *context, const char *name, bool on_disk, const char *text,

@@ -28,7 +28,7 @@ static pdyn_status fail(const struct edit *e, const char *format, ...) {
     va_start(args, format);
     vsnprintf(message, sizeof message, format, args);
     va_end(args);
-    return context_fail(e->file->context, PDYN_BAD_INPUT, "%s %s", e->place, message);
+    return set_error(PDYN_BAD_INPUT, "%s %s", e->place, message);
 }
 
 static pdyn_status check_utf8(const struct edit *e, const char *text, const char *what) {

@@ -71,8 +71,8 @@ static pdyn_status set(pdyn_scene *scene, const char *path, const char *value, v
     int length = vsnprintf(NULL, 0, value, again);
     va_end(again);
     if (length < 0)
-        return context_fail(context, PDYN_BAD_INPUT, "%.1024s: %.256s: cannot print the value",
-                            scene->json.name, path);
+        return set_error(PDYN_BAD_INPUT, "%.1024s: %.256s: cannot print the value",
+                         scene->json.name, path);
     char *text = NEW_ARRAY(context, (size_t)length + 1, char);
     if (!text) return PDYN_NO_MEMORY;
     vsnprintf(text, (size_t)length + 1, value, args);
@@ -184,8 +184,8 @@ pdyn_status pdyn_scene_write(pdyn_scene *scene, const char *path) {
     pdyn_context *context = scene->json.context;
     const char *slash = strrchr(path, '/');
     if (array_file_find(scene->json.arrays, slash ? slash + 1 : path))
-        return context_fail(context, PDYN_BAD_INPUT,
-                            "%.1024s: expected another name than that of the scene's arrays", path);
+        return set_error(PDYN_BAD_INPUT,
+                         "%.1024s: expected another name than that of the scene's arrays", path);
     for (const struct array_file *file = scene->json.arrays; file && status == PDYN_OK;
          file = file->next)
         status = array_file_write(context, file, path);

@@ -45,7 +45,7 @@ static pdyn_status read_placed(struct reader *r, const struct json_at *owner,
     if (status != PDYN_OK) return status;
     transform_points(&transform, r->solid->mesh.vertex, r->solid->mesh.vertices);
     memcpy(r->solid->motion.pivot, transform.translate, sizeof transform.translate);
-    return json_wrap(mesh, mesh_check(r->context, &r->solid->mesh, "as placed"));
+    return json_wrap(mesh, mesh_check(&r->solid->mesh, "as placed"));
 }
 
 const char *const scene_solid_kinds[SOLID_KINDS] = {"box", "mesh", "sphere", "capsule", "plane"};

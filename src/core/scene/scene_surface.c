@@ -49,7 +49,7 @@ pdyn_status scene_read_surface(struct reader *r, const struct json_at *at) {
         status = reader_add_particles(&mesh, body->mesh.vertices, &r->particles);
     if (status != PDYN_OK) return status;
     transform_points(&transform, body->mesh.vertex, body->mesh.vertices);
-    status = mesh_check(r->context, &body->mesh, "as placed");
+    status = mesh_check(&body->mesh, "as placed");
     if (status == PDYN_OK) status = mesh_check_cloth(r->context, &body->mesh, "as placed");
     return json_wrap(grid.value ? &grid : &mesh, status);
 }

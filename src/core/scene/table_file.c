@@ -50,8 +50,8 @@ static pdyn_status fail_number(const struct scan *scan, const pdyn_param *p, int
     table_describe_number(p, column, vertices, expected, sizeof expected);
     snprintf(word, sizeof word, "%.*s", (int)strcspn(scan->at, ENDS), scan->at);
     text_clip(found, sizeof found, word);
-    return context_fail(scan->context, PDYN_BAD_INPUT, "%.1024s:%ld: expected %s, found \"%s\"",
-                        scan->path, scan->line, expected, found);
+    return set_error(PDYN_BAD_INPUT, "%.1024s:%ld: expected %s, found \"%s\"", scan->path,
+                     scan->line, expected, found);
 }
 
 static pdyn_status read_row(struct scan *scan, const pdyn_param *param, int vertices, double *row) {
@@ -75,12 +75,11 @@ static pdyn_status check_count(const struct scan *scan, const pdyn_param *param,
     char expected[WHAT] = "";
     if (found && (!rows || found == (size_t)rows)) {
         if (found <= (size_t)(INT_MAX / param_width(param))) return PDYN_OK;
-        return context_fail(scan->context, PDYN_BAD_INPUT, "%.1024s: more than %d numbers",
-                            scan->path, INT_MAX);
+        return set_error(PDYN_BAD_INPUT, "%.1024s: more than %d numbers", scan->path, INT_MAX);
     }
     table_describe(param, rows, "lines", expected, sizeof expected);
-    return context_fail(scan->context, PDYN_BAD_INPUT, "%.1024s: expected %s, found %zu",
-                        scan->path, expected, found);
+    return set_error(PDYN_BAD_INPUT, "%.1024s: expected %s, found %zu", scan->path, expected,
+                     found);
 }
 
 static pdyn_status read_rows(struct scan *scan, const pdyn_param *param, int rows, int vertices,

@@ -43,7 +43,7 @@ static double *moving_x(const struct neighbours *n) {
 static pdyn_status sort_part(struct neighbours *n, int part) {
     int first = n->part[part], count = n->part[part + 1] - first;
     if (!count) return PDYN_OK;
-    return grid_sort(n->context, &n->boundary[part], count, n->boundary_id + first, n->boundary_x);
+    return grid_sort(&n->boundary[part], count, n->boundary_id + first, n->boundary_x);
 }
 
 static pdyn_status sort_moving(struct neighbours *n) {
@@ -285,11 +285,11 @@ static pdyn_status reserve(struct neighbours *n) {
     size_t capacity = (size_t)pool_blocks(points, NEIGHBOURS_GRAIN) * ((size_t)n->room + 1);
     if (capacity <= n->lists.capacity) return PDYN_OK;
     if (capacity > INT32_MAX)
-        return context_fail(n->context, PDYN_DIVERGED,
-                            "more than 2^31 neighbours, room for %d of each of %d particles: "
-                            "larger particles, inlets with a smaller \"budget\", or the fluid has "
-                            "collapsed",
-                            n->room / NEIGHBOURS_GRAIN, points);
+        return set_error(PDYN_DIVERGED,
+                         "more than 2^31 neighbours, room for %d of each of %d particles: "
+                         "larger particles, inlets with a smaller \"budget\", or the fluid has "
+                         "collapsed",
+                         n->room / NEIGHBOURS_GRAIN, points);
     FREE_ARRAY(n->context, n->lists.index, n->lists.capacity);
     n->lists.capacity = capacity;
     n->lists.index = NEW_ARRAY(n->context, capacity, int);
@@ -319,9 +319,9 @@ pdyn_status neighbours_build(struct neighbours *n, const double *x) {
     n->built = false;
     pdyn_status status = n->boundary_shift > 0.0 ? sort_moving(n) : PDYN_OK;
     neighbour_points_list(n, x);
-    if (status == PDYN_OK) status = grid_sort(n->context, &n->fluid, n->centres, n->id, x);
+    if (status == PDYN_OK) status = grid_sort(&n->fluid, n->centres, n->id, x);
     if (status == PDYN_OK)
-        status = grid_sort(n->context, &n->surface, n->active - n->centres, n->id + n->centres, x);
+        status = grid_sort(&n->surface, n->active - n->centres, n->id + n->centres, x);
     if (status != PDYN_OK) return status;
     visibility_store_lists(n, x);
     status = fill(n, x);

@@ -29,7 +29,7 @@ pdyn_status point_volumes(pdyn_context *context, int points, const double *x,
     if (status != PDYN_OK) return status;
     size_t capacity = 0;
     int found = 0, *list = context_grow(context, NULL, &capacity, 1, sizeof *list);
-    status = list ? grid_sort(context, &grid, points, NULL, x) : PDYN_NO_MEMORY;
+    status = list ? grid_sort(&grid, points, NULL, x) : PDYN_NO_MEMORY;
     for (int i = 0; status == PDYN_OK && i < points; i++) {
         status = list_near(context, &grid, &cells, x, i, &list, &capacity, &found);
         double sum = 0.0;

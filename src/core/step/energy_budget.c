@@ -233,10 +233,10 @@ pdyn_status energy_budget_check(struct pdyn_sim *sim, double h) {
     if (kinetic <= budget) return PDYN_OK;
     char causes[256];
     list_causes(sim, causes, sizeof causes);
-    return context_fail(sim->context, PDYN_DIVERGED,
-                        "the kinetic energy rises to %.3g J, most of it in body \"%s\", but "
-                        "gravity and everything else in the scene can give at most %.3g J%s",
-                        kinetic, fastest_body(sim), budget, causes);
+    return set_error(PDYN_DIVERGED,
+                     "the kinetic energy rises to %.3g J, most of it in body \"%s\", but "
+                     "gravity and everything else in the scene can give at most %.3g J%s",
+                     kinetic, fastest_body(sim), budget, causes);
 }
 
 /* A fall of the total energy counts once it has lasted for a whole window. */

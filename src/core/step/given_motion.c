@@ -13,19 +13,19 @@ struct scene_key given_key(double time, const double translate[3], const double 
     return key;
 }
 
-static pdyn_status fail(struct pdyn_sim *sim, const char *what, const char *expected) {
-    return context_fail(sim->context, PDYN_BAD_INPUT, "%s: expected %s", what, expected);
+static pdyn_status fail(const char *what, const char *expected) {
+    return set_error(PDYN_BAD_INPUT, "%s: expected %s", what, expected);
 }
 
 static pdyn_status check(struct pdyn_sim *sim, const struct scene_motion *motion, const char *what,
                          const struct scene_key *to) {
-    if (!motion->keys) return fail(sim, what, "\"motion\" in the scene, with at least one key");
+    if (!motion->keys) return fail(what, "\"motion\" in the scene, with at least one key");
     if (!(to->time > sim->time && to->time <= SCENE_MAX_POSITION))
-        return fail(sim, what, "a time after that of the simulation");
+        return fail(what, "a time after that of the simulation");
     for (int a = 0; a < 3; a++)
         if (!(fabs(to->translate[a]) <= SCENE_MAX_POSITION &&
               fabs(to->rotate[a]) <= SCENE_MAX_POSITION))
-            return fail(sim, what, "finite coordinates and angles up to 1e6");
+            return fail(what, "finite coordinates and angles up to 1e6");
     return PDYN_OK;
 }
 

@@ -62,9 +62,9 @@ static void move_to_minimum(struct pdyn_sim *sim, const struct round *at) {
 
 static pdyn_status solve(struct pdyn_sim *sim, double *b, double *y, const pdyn_stop *stop,
                          int *iterations) {
-    unsigned errors = context_errors();
+    unsigned errors = error_count();
     pdyn_status status = sim->solver->solve(sim->solver_state, b, y, stop, iterations);
-    return context_module(sim->solver->name, status, errors);
+    return error_of_module(sim->solver->name, status, errors);
 }
 
 static pdyn_status solve_linear(struct pdyn_sim *sim, const struct round *at, const pdyn_stop *stop,

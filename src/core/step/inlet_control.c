@@ -46,15 +46,14 @@ pdyn_status pdyn_move_inlet(pdyn_sim *sim, int body, int inlet, double time,
 static pdyn_status check_speed(struct pdyn_sim *sim, const struct scene_inlet *inlet,
                                const char *what, double time, double speed) {
     if (!(speed >= 0.0 && speed <= INLET_MAX_SPEED))
-        return context_fail(sim->context, PDYN_BAD_INPUT,
-                            "%s: expected a speed from 0 to %g m/s, found %g", what,
-                            INLET_MAX_SPEED, speed);
+        return set_error(PDYN_BAD_INPUT, "%s: expected a speed from 0 to %g m/s, found %g", what,
+                         INLET_MAX_SPEED, speed);
     if (!(fabs(time) <= SCENE_MAX_POSITION))
-        return context_fail(sim->context, PDYN_BAD_INPUT,
-                            "%s: expected a time from -1e6 to 1e6 s, found %g", what, time);
+        return set_error(PDYN_BAD_INPUT, "%s: expected a time from -1e6 to 1e6 s, found %g", what,
+                         time);
     if (sim->time >= inlet->end)
-        return context_fail(sim->context, PDYN_BAD_INPUT, "%s: its \"duration\" has ended at %g s",
-                            what, inlet->end);
+        return set_error(PDYN_BAD_INPUT, "%s: its \"duration\" has ended at %g s", what,
+                         inlet->end);
     return PDYN_OK;
 }
 

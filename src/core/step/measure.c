@@ -33,9 +33,9 @@ pdyn_status measure_check_range(struct pdyn_sim *sim, double h) {
     for (int k = 0; k < 3 * sim->objective.particles; k++) {
         double x = sim->x_next[k], moved = fabs(x - sim->x[k]);
         if (fabs(x) <= STEP_MAX_POSITION && moved <= STEP_MAX_SPEED * h) continue; /* not NaN */
-        return context_fail(sim->context, PDYN_DIVERGED,
-                            "particle %d moves to %c = %.3g m with %.3g m/s, beyond %g m or %g m/s",
-                            k / 3, "xyz"[k % 3], x, moved / h, STEP_MAX_POSITION, STEP_MAX_SPEED);
+        return set_error(PDYN_DIVERGED,
+                         "particle %d moves to %c = %.3g m with %.3g m/s, beyond %g m or %g m/s",
+                         k / 3, "xyz"[k % 3], x, moved / h, STEP_MAX_POSITION, STEP_MAX_SPEED);
     }
     return PDYN_OK;
 }

@@ -15,12 +15,10 @@
 
 /* ---- failures -------------------------------------------------------------------------------- */
 
-static pdyn_status fail_not_finite(const struct pdyn_sim *sim, const char *what,
-                                   const struct batch *b) {
-    if (!b) return context_fail(sim->context, PDYN_DIVERGED, "the %s is not finite", what);
-    return context_fail(sim->context, PDYN_DIVERGED,
-                        "the %s of constraint \"%s\" on body \"%s\" is not finite", what,
-                        b->type->name, b->view.body->name);
+static pdyn_status fail_not_finite(const char *what, const struct batch *b) {
+    if (!b) return set_error(PDYN_DIVERGED, "the %s is not finite", what);
+    return set_error(PDYN_DIVERGED, "the %s of constraint \"%s\" on body \"%s\" is not finite",
+                     what, b->type->name, b->view.body->name);
 }
 
 /* The error names the constraint whose energy is not finite, or else the body whose gradient is
@@ -29,13 +27,12 @@ static pdyn_status fail_local(const struct pdyn_sim *sim) {
     const struct objective *objective = &sim->objective;
     for (int b = 0; b < objective->batches; b++)
         if (!isfinite(objective->batch[b]->energy))
-            return fail_not_finite(sim, "energy", objective->batch[b]);
+            return fail_not_finite("energy", objective->batch[b]);
     for (int b = 0; b < objective->bodies; b++)
         if (!isfinite(objective->body[b].residual))
-            return context_fail(sim->context, PDYN_DIVERGED,
-                                "the gradient on body \"%s\" is not finite",
-                                objective->body[b].of->name);
-    return fail_not_finite(sim, "energy", NULL);
+            return set_error(PDYN_DIVERGED, "the gradient on body \"%s\" is not finite",
+                             objective->body[b].of->name);
+    return fail_not_finite("energy", NULL);
 }
 
 /* Looks for a constraint with a tangent that is not finite: no solver finds a direction then. */
@@ -47,7 +44,7 @@ static pdyn_status check_tangents(struct pdyn_sim *sim) {
         memset(product, 0, objective_bytes(objective));
         batch_apply(objective->batch[b], u, product);
         if (!isfinite(objective_dot(objective, product, product)))
-            return fail_not_finite(sim, "tangent", objective->batch[b]);
+            return fail_not_finite("tangent", objective->batch[b]);
     }
     return PDYN_OK;
 }

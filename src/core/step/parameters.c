@@ -67,16 +67,15 @@ static pdyn_status fail_unknown(const struct batch *b, const char *name) {
         if (param_is_changeable(b->type, p)) names[count++] = p->name;
     text_hint(hint, sizeof hint, name, names, count);
     text_clip(clipped, sizeof clipped, name);
-    return context_fail(b->context, PDYN_BAD_INPUT,
-                        "constraint \"%s\" on body \"%s\": no parameter \"%s\" that can be changed "
-                        "while the simulation runs%s",
-                        b->type->name, b->view.body->name, clipped, hint);
+    return set_error(PDYN_BAD_INPUT,
+                     "constraint \"%s\" on body \"%s\": no parameter \"%s\" that can be changed "
+                     "while the simulation runs%s",
+                     b->type->name, b->view.body->name, clipped, hint);
 }
 
 static pdyn_status fail_value(const struct batch *b, const pdyn_param *p, const char *expected) {
-    return context_fail(b->context, PDYN_BAD_INPUT,
-                        "constraint \"%s\" on body \"%s\": %s: expected %s", b->type->name,
-                        b->view.body->name, p->name, expected);
+    return set_error(PDYN_BAD_INPUT, "constraint \"%s\" on body \"%s\": %s: expected %s",
+                     b->type->name, b->view.body->name, p->name, expected);
 }
 
 /* Checks one or three numbers. */
@@ -109,16 +108,15 @@ static pdyn_status derive(struct pdyn_sim *sim, int constraint) {
     pdyn_param_fault fault = derived_compute(sim->constraint[constraint]);
     bool damped = has_damper(sim, constraint);
     if (fault.message)
-        return context_fail(b->context, PDYN_BAD_INPUT, "constraint \"%s\" on body \"%s\": %s%s%s",
-                            b->type->name, b->view.body->name, fault.param ? fault.param : "",
-                            fault.param ? ": " : "", fault.message);
+        return set_error(PDYN_BAD_INPUT, "constraint \"%s\" on body \"%s\": %s%s%s", b->type->name,
+                         b->view.body->name, fault.param ? fault.param : "",
+                         fault.param ? ": " : "", fault.message);
     if (is_damped(b) == damped) return PDYN_OK;
-    return context_fail(b->context, PDYN_BAD_INPUT,
-                        "constraint \"%s\" on body \"%s\": damping must stay %s", b->type->name,
-                        b->view.body->name,
-                        damped ? "above 0 while the simulation runs"
-                               : "0 while the simulation runs: to change it, give it a value above "
-                                 "0 in the scene");
+    return set_error(PDYN_BAD_INPUT, "constraint \"%s\" on body \"%s\": damping must stay %s",
+                     b->type->name, b->view.body->name,
+                     damped ? "above 0 while the simulation runs"
+                            : "0 while the simulation runs: to change it, give it a value above "
+                              "0 in the scene");
 }
 
 /* Writes `size` bytes into a parameter; writes the old ones back where the constraint does not
@@ -241,10 +239,10 @@ pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled) {
     const struct batch *b = sim->objective.batch[constraint];
     if (b->off == !enabled) return PDYN_OK;
     if (b->op)
-        return context_fail(b->context, PDYN_BAD_INPUT,
-                            "constraint \"%s\" on body \"%s\" is matrix-free and cannot be "
-                            "switched off",
-                            b->type->name, b->view.body->name);
+        return set_error(PDYN_BAD_INPUT,
+                         "constraint \"%s\" on body \"%s\" is matrix-free and cannot be "
+                         "switched off",
+                         b->type->name, b->view.body->name);
     switch_batches(sim, constraint, !enabled);
     sim->control.driven |= enabled; /* a constraint that ends takes its energy, which is not
                                        negative, out of the scene */

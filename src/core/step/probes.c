@@ -210,11 +210,10 @@ static pdyn_status check_walls(const struct pdyn_sim *sim) {
         const char *name = probe->on_solid >= 0  ? sim->scene.solid[probe->on_solid].name
                            : probe->on_body >= 0 ? sim->scene.body[probe->on_body].name
                                                  : NULL;
-        return context_fail(sim->context, PDYN_BAD_INPUT,
-                            "probe \"%s\": expected a wall of %s%s%s within %g m of (%g, %g, %g)",
-                            probe->name, name ? "\"" : "a solid", name ? name : "",
-                            name ? "\"" : "", radius_of(sim, probe), probe->at.x[0], probe->at.x[1],
-                            probe->at.x[2]);
+        return set_error(PDYN_BAD_INPUT,
+                         "probe \"%s\": expected a wall of %s%s%s within %g m of (%g, %g, %g)",
+                         probe->name, name ? "\"" : "a solid", name ? name : "", name ? "\"" : "",
+                         radius_of(sim, probe), probe->at.x[0], probe->at.x[1], probe->at.x[2]);
     }
     return PDYN_OK;
 }

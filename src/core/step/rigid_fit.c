@@ -57,12 +57,12 @@ pdyn_status rigid_fit_check(const struct pdyn_sim *sim, int first, int count) {
         const struct rigid_body *body = &map->body[k];
         bool whole = first <= body->first && first + count >= body->first + body->vertices;
         if (is_touched(body, first, count) && !whole)
-            return context_fail(sim->context, PDYN_BAD_INPUT,
-                                "expected all vertices of the rigid body \"%s\", particles %d to "
-                                "%d, or none, found particles %d to %d",
-                                sim->body[objective_body_of(&sim->objective, body->first)].name,
-                                body->first, body->first + body->vertices - 1, first,
-                                first + count - 1);
+            return set_error(PDYN_BAD_INPUT,
+                             "expected all vertices of the rigid body \"%s\", particles %d to "
+                             "%d, or none, found particles %d to %d",
+                             sim->body[objective_body_of(&sim->objective, body->first)].name,
+                             body->first, body->first + body->vertices - 1, first,
+                             first + count - 1);
     }
     return PDYN_OK;
 }

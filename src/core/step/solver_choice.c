@@ -48,12 +48,12 @@ static pdyn_status check_dense(struct pdyn_sim *sim, const pdyn_global_solver *s
         const struct batch *b = sim->objective.batch[k];
         if (!solver->direct || !sim->model.model.newton || !b->wide || b->rows <= MAX_DENSE)
             continue;
-        return context_fail(sim->context, PDYN_BAD_INPUT,
-                            "solver \"%s\": constraint \"%s\" on body \"%s\" couples %d vertices "
-                            "with each other, and the newton step's matrix is dense; expected at "
-                            "most %d, or the solver \"hybrid\" or \"cg\"",
-                            solver->name, b->type->name, b->view.body->name, b->view.body->count,
-                            MAX_DENSE);
+        return set_error(PDYN_BAD_INPUT,
+                         "solver \"%s\": constraint \"%s\" on body \"%s\" couples %d vertices "
+                         "with each other, and the newton step's matrix is dense; expected at "
+                         "most %d, or the solver \"hybrid\" or \"cg\"",
+                         solver->name, b->type->name, b->view.body->name, b->view.body->count,
+                         MAX_DENSE);
     }
     return PDYN_OK;
 }
@@ -62,13 +62,12 @@ static pdyn_status find_solver(struct pdyn_sim *sim, const char *name,
                                const pdyn_global_solver **out) {
     const char *reason = "";
     const pdyn_global_solver *solver = *out = registry_solver(sim->context, name);
-    if (!solver)
-        return context_fail(sim->context, PDYN_BAD_INPUT, "this build has no solver \"%s\"", name);
+    if (!solver) return set_error(PDYN_BAD_INPUT, "this build has no solver \"%s\"", name);
     if (!bid_of(sim, solver, &reason))
-        return context_fail(sim->context, PDYN_BAD_INPUT,
-                            "solver \"%s\" does not fit this scene: %s; expected another one, or "
-                            "\"auto\", which takes one that fits",
-                            name, *reason ? reason : solver->summary);
+        return set_error(PDYN_BAD_INPUT,
+                         "solver \"%s\" does not fit this scene: %s; expected another one, or "
+                         "\"auto\", which takes one that fits",
+                         name, *reason ? reason : solver->summary);
     return check_dense(sim, solver);
 }
 
@@ -104,8 +103,8 @@ static pdyn_status create_slot(struct pdyn_sim *sim, const pdyn_global_solver *s
     slot->solver = solver;
     slot->state = context_array(sim->context, 1, solver->state_size);
     if (!slot->state) return PDYN_NO_MEMORY;
-    unsigned errors = context_errors();
-    return context_module(solver->name, solver->create(slot->state, &sim->model.model), errors);
+    unsigned errors = error_count();
+    return error_of_module(solver->name, solver->create(slot->state, &sim->model.model), errors);
 }
 
 pdyn_status solver_choice_create(struct pdyn_sim *sim) {
@@ -228,9 +227,9 @@ void solver_choice_persist(struct pdyn_sim *sim, struct snapshot_file *file) {
     if (file->view.reading && file->status == PDYN_OK) activate(sim, (int)active);
     for (int k = 0; k < c->count && file->status == PDYN_OK; k++) {
         const pdyn_global_solver *solver = c->slot[k].solver;
-        unsigned errors = context_errors();
+        unsigned errors = error_count();
         if (solver->persist)
-            file->status = context_module(solver->name,
-                                          solver->persist(c->slot[k].state, &file->view), errors);
+            file->status = error_of_module(solver->name,
+                                           solver->persist(c->slot[k].state, &file->view), errors);
     }
 }

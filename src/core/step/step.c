@@ -150,10 +150,10 @@ static pdyn_status fail_step(struct pdyn_sim *sim, double h, pdyn_status status)
     char what[512];
     snprintf(what, sizeof what, "%s", pdyn_last_error(NULL));
     take_back(sim);
-    if (status != PDYN_DIVERGED) return context_fail(sim->context, status, "%s", what);
-    return context_fail(sim->context, PDYN_DIVERGED,
-                        "step %ld of %g s at %g s: %s; the state is that of the step before",
-                        sim->steps + 1, h, sim->time, what);
+    if (status != PDYN_DIVERGED) return set_error(status, "%s", what);
+    return set_error(PDYN_DIVERGED,
+                     "step %ld of %g s at %g s: %s; the state is that of the step before",
+                     sim->steps + 1, h, sim->time, what);
 }
 
 /* Whether a particle moved more than twice the distance that the CFL condition allows. Such a step
@@ -284,8 +284,7 @@ pdyn_status pdyn_step_sized(pdyn_sim *sim, pdyn_step_info *info, size_t size) {
 pdyn_status pdyn_step_by_sized(pdyn_sim *sim, double h, pdyn_step_info *info, size_t size) {
     if (HAS_NULL(sim) || control_has_failed(__func__, sim)) return PDYN_BAD_CALL;
     if (!(h >= TIMESTEP_SHORTEST && h <= TIMESTEP_LONGEST))
-        return context_fail(sim->context, PDYN_BAD_INPUT,
-                            "expected a step from %g to %g s, found %g s", TIMESTEP_SHORTEST,
-                            TIMESTEP_LONGEST, h);
+        return set_error(PDYN_BAD_INPUT, "expected a step from %g to %g s, found %g s",
+                         TIMESTEP_SHORTEST, TIMESTEP_LONGEST, h);
     return step_by(sim, h, info, size);
 }
