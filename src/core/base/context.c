@@ -1,4 +1,4 @@
-/* The context: creation, memory through the user's allocator, error text, log messages, and the
+/* The context: creation, memory through the user's allocator, log messages, and the
  * services that modules get of all this. */
 #include "context.h"
 

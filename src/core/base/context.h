@@ -1,4 +1,4 @@
-/* The context (pdyn_context): memory, error text, log messages, thread pool and registered types.
+/* The context (pdyn_context): memory, log messages, thread pool and registered types.
  * Every object of the library belongs to one context. */
 #ifndef PDYN_CONTEXT_H
 #define PDYN_CONTEXT_H
