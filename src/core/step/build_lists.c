@@ -86,10 +86,19 @@ static pdyn_status make_walls(const struct pdyn_sim *sim, struct border_wall *wa
     return status;
 }
 
+static bool has_border(const pdyn_body *body) {
+    for (int k = 0; k < 3 * hiding_triangles(body); k++)
+        if (body->across[k] < 0) return true;
+    return false;
+}
+
 static pdyn_status create_border(struct pdyn_sim *sim, double width) {
-    int walls = sim->scene.solids + sim->bodies;
+    int walls = 0;
+    for (int b = 0; b < sim->bodies && width > 0.0 && !walls; b++)
+        if (has_border(&sim->body[b])) walls = sim->scene.solids + sim->bodies;
     struct border_wall *wall = NEW_ARRAY(sim->context, walls, struct border_wall);
-    pdyn_status status = wall ? make_walls(sim, wall) : PDYN_NO_MEMORY;
+    pdyn_status status = wall || !walls ? PDYN_OK : PDYN_NO_MEMORY;
+    if (status == PDYN_OK && walls) status = make_walls(sim, wall);
     if (status == PDYN_OK)
         status = border_create(sim->context, sim->bodies, sim->body, sim->rest, walls, wall, width,
                                &sim->border);
