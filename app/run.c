@@ -244,7 +244,7 @@ static int open_output(pdyn_context *context, pdyn_sim *sim, const struct run_op
 static int close_output(pdyn_context *context, pdyn_writer *writer, const struct run_options *o,
                         pdyn_status status, bool interrupted) {
     int code = status == PDYN_OK ? EXIT_GOOD : report_status(context, status);
-    char failure[2048]; /* a copy, because pdyn_writer_report() may replace the context's message */
+    char failure[2048]; /* a copy, because pdyn_writer_report() may replace the text */
     snprintf(failure, sizeof failure, "%s", pdyn_last_error(context));
     pdyn_status written =
         pdyn_writer_report(writer, o->report, interrupted, status == PDYN_OK ? NULL : failure);

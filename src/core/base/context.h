@@ -26,16 +26,16 @@ struct pdyn_context {
  * the count is exact. New bytes are zeroed. Returns NULL without memory; sets no error text. */
 void *context_resize(pdyn_context *context, void *block, size_t old_size, size_t new_size);
 
-/* Allocates count x size zeroed bytes. Returns NULL for 0 bytes, and NULL with the context's error
+/* Allocates count x size zeroed bytes. Returns NULL for 0 bytes, and NULL with the error
  * set (PDYN_NO_MEMORY) without memory. FREE_ARRAY of a NULL pointer does nothing. */
 void *context_array(pdyn_context *context, size_t count, size_t size);
 
-/* A copy of a text; NULL with the context's error set without memory. */
+/* A copy of a text; NULL with the error set without memory. */
 char *context_copy_text(pdyn_context *context, const char *text);
 void context_free_text(pdyn_context *context, const char *text); /* NULL: does nothing */
 
 /* Makes room for `need` elements in a growing array of *capacity elements: at least doubles the
- * capacity where it is too small. Returns the array, which may have moved; NULL with the context's
+ * capacity where it is too small. Returns the array, which may have moved; NULL with the
  * error set without memory, the array is then unchanged. */
 void *context_grow(pdyn_context *context, void *array, size_t *capacity, size_t need, size_t size);
 

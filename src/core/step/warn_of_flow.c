@@ -49,33 +49,43 @@ static bool is_in_way(const struct mesh_query *surface, const struct scene_inlet
     return false;
 }
 
-/* Layers move through a surface that lies in their way: no step solves that with contact. */
-static pdyn_status check_way(struct pdyn_sim *sim, const pdyn_body *body, int number,
-                             const struct scene_body *surface) {
+static void check_way(struct pdyn_sim *sim, const pdyn_body *body, int number,
+                      const struct mesh_query *surface, const char *name) {
     const struct scene_inlet *inlet = &sim->scene.body[body - sim->body].inlet[number];
     double spacing = 2.0 * body->radius, x[3];
-    struct mesh_query query;
-    pdyn_status status = mesh_query_create(sim->context, &surface->mesh, &query);
-    if (status != PDYN_OK) return status;
-    if (is_in_way(&query, inlet, spacing, x))
+    if (is_in_way(surface, inlet, spacing, x))
         WARN(sim, BLOCKED, body->name,
              "inlet %d moves its layers through \"%s\", near (%.4g, %.4g, %.4g) m; expected no "
              "surface from %.4g m behind the opening to %.4g m in front of it",
-             number, surface->name, x[0], x[1], x[2], INLET_BEHIND * spacing,
-             INLET_STAGGER * spacing);
+             number, name, x[0], x[1], x[2], INLET_BEHIND * spacing, INLET_STAGGER * spacing);
+}
+
+/* Layers move through a surface that lies in their way: no step solves that with contact. */
+static pdyn_status check_ways(struct pdyn_sim *sim, const struct scene_body *surface) {
+    struct mesh_query query;
+    pdyn_status status = mesh_query_create(sim->context, &surface->mesh, &query);
+    if (status != PDYN_OK) return status;
+    for (int b = 0; b < sim->bodies; b++)
+        for (int k = 0; k < sim->scene.body[b].inlets; k++)
+            check_way(sim, &sim->body[b], k, &query, surface->name);
     mesh_query_free(sim->context, &query);
     return PDYN_OK;
 }
 
-static pdyn_status check_inlet(struct pdyn_sim *sim, const pdyn_body *body, int number) {
+static void check_inlet(struct pdyn_sim *sim, const pdyn_body *body, int number) {
     const struct scene_inlet *inlet = &sim->scene.body[body - sim->body].inlet[number];
-    pdyn_status status = PDYN_OK;
     check_cover(sim, body, number, &inlet->left_out, "these do not enter");
     check_cover(sim, body, number, &inlet->covered,
                 "these enter all the same, as inlet or solid moves, and may burst out");
-    for (int b = 0; b < sim->bodies && sim->scene.has_contact && status == PDYN_OK; b++)
+}
+
+static pdyn_status check_surfaces(struct pdyn_sim *sim) {
+    pdyn_status status = PDYN_OK;
+    int inlets = 0;
+    for (int b = 0; b < sim->bodies; b++) inlets += sim->scene.body[b].inlets;
+    for (int b = 0; b < sim->bodies && inlets && status == PDYN_OK; b++)
         if (sim->body[b].triangles && sim->body[b].permeability == 0.0)
-            status = check_way(sim, body, number, &sim->scene.body[b]);
+            status = check_ways(sim, &sim->scene.body[b]);
     return status;
 }
 
@@ -127,12 +137,10 @@ static void check_times_of_body(struct pdyn_sim *sim, const struct scene_body *b
 /* ---- all ------------------------------------------------------------------------------------- */
 
 pdyn_status warn_of_flow(struct pdyn_sim *sim) {
-    pdyn_status status = PDYN_OK;
-    for (int b = 0; b < sim->bodies && status == PDYN_OK; b++) {
+    for (int b = 0; b < sim->bodies; b++) {
         const struct scene_body *body = &sim->scene.body[b];
         check_times_of_body(sim, body);
-        for (int k = 0; k < body->inlets && status == PDYN_OK; k++)
-            status = check_inlet(sim, &sim->body[b], k);
+        for (int k = 0; k < body->inlets; k++) check_inlet(sim, &sim->body[b], k);
         if (body_is_particles(&sim->body[b])) check_outlets(sim, &sim->body[b]);
     }
     for (int s = 0; s < sim->scene.solids; s++) {
@@ -140,5 +148,5 @@ pdyn_status warn_of_flow(struct pdyn_sim *sim) {
         if (motion->keys > 1)
             check_time(sim, sim->scene.solid[s].name, "its motion", motion->key[0].time);
     }
-    return status;
+    return sim->scene.has_contact ? check_surfaces(sim) : PDYN_OK;
 }
