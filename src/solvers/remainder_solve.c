@@ -14,17 +14,12 @@ pdyn_status remainder_solve_create(struct remainder_solve *s, pdyn_model *whole)
     s->coupled = whole->elements_count || whole->dynamic_count || whole->solve_bodies;
     s->mobility = NEW(whole->services, whole->particles, double);
     if (!s->mobility) return PDYN_NO_MEMORY;
-    if (!s->coupled) return PDYN_OK;
-    pdyn_status status = pcg_create(&s->pcg, s->model);
-    if (status == PDYN_OK) status = block_jacobi_create(&s->jacobi, s->model);
-    return status == PDYN_OK ? coarse_space_create(&s->coarse, s->model) : status;
+    return s->coupled ? two_level_create(&s->cg, s->model) : PDYN_OK;
 }
 
 void remainder_solve_free(struct remainder_solve *s) {
     if (s->whole) FREE(s->whole->services, s->mobility, s->whole->particles);
-    pcg_free(&s->pcg);
-    block_jacobi_free(&s->jacobi);
-    coarse_space_free(&s->coarse);
+    two_level_free(&s->cg);
 }
 
 static void for_particles(const struct remainder_solve *s, pdyn_range_fn *fn, double *b,
@@ -51,9 +46,7 @@ static void compute_mobility(void *arg, int first, int last, int block) {
 void remainder_solve_update(struct remainder_solve *s, bool first_of_step) {
     s->exact = !s->coupled || s->model->bodies_alone;
     for_particles(s, compute_mobility, NULL, NULL);
-    if (!s->coupled) return;
-    block_jacobi_update(&s->jacobi);
-    coarse_space_update(&s->coarse, first_of_step);
+    if (s->coupled) two_level_update(&s->cg, first_of_step);
 }
 
 /* y = A^-1 b of particles in no row and of no rigid body */
@@ -69,19 +62,13 @@ static void solve_free(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     for (int i = first; i < last; i++) {
-        const double *D = c->s->jacobi.inverse + 6 * (size_t)i;
+        const double *D = c->s->cg.jacobi.inverse + 6 * (size_t)i;
         bool free = !c->s->model->in_rows[i];
         for (int k = 3 * i; k < 3 * i + 3; k++) {
             c->y[k] = free ? D[0] * c->b[k] : 0.0;
             if (free) c->b[k] = 0.0;
         }
     }
-}
-
-static void precondition(void *self, const double *r, double *z) {
-    struct remainder_solve *s = self;
-    block_jacobi_apply(&s->jacobi, r, z);
-    coarse_space_correct(&s->coarse, r, z);
 }
 
 static int apply_exactly(struct remainder_solve *s, double *b, double *y) {
@@ -96,6 +83,6 @@ int remainder_solve_apply(struct remainder_solve *s, double *b, double *y, doubl
     int iterations = 0;
     if (s->exact) return apply_exactly(s, b, y);
     for_particles(s, solve_free, b, y);
-    pcg_solve(&s->pcg, precondition, s, b, y, &stop, tolerance, &iterations);
+    two_level_solve(&s->cg, b, y, &stop, tolerance, &iterations);
     return iterations;
 }

@@ -1,24 +1,19 @@
 /* A^-1 b, where A is the part of H without one-sided constraints: inertia, their damping, rows of
  * elements, and rows that come and go. Particles in no row have a diagonal block that is a multiple
  * of I and are solved exactly: all of them in a fluid alone. Rigid bodies that nothing ties to each
- * other are solved exactly, too. The other particles take conjugate gradients with a two-level
- * preconditioner (block Jacobi and the coarse space). */
+ * other are solved exactly, too. The other particles take conjugate gradients (two_level.h). */
 #ifndef PDYN_REMAINDER_SOLVE_H
 #define PDYN_REMAINDER_SOLVE_H
 
-#include "block_jacobi.h"
-#include "coarse_space.h"
-#include "pcg.h"
+#include "two_level.h"
 
 struct remainder_solve {
-    pdyn_model *whole; /* H */
-    pdyn_model *model; /* A */
-    bool coupled;      /* there are rows or rigid bodies: A is not diagonal */
-    bool exact;        /* A^-1 takes no iteration now */
-    double *mobility;  /* particles, m/N: A^-1 of particles in no row, displacement per force */
-    struct pcg pcg;    /* this and the next two: if coupled */
-    struct block_jacobi jacobi;
-    struct coarse_space coarse;
+    pdyn_model *whole;   /* H */
+    pdyn_model *model;   /* A */
+    bool coupled;        /* there are rows or rigid bodies: A is not diagonal */
+    bool exact;          /* A^-1 takes no iteration now */
+    double *mobility;    /* particles, m/N: A^-1 of particles in no row, displacement per force */
+    struct two_level cg; /* if coupled */
 };
 
 /* Zeroed before; after a failure it is to be freed, too. */
