@@ -4,7 +4,6 @@
 #include "file_ref.h"
 #include "geometry/sampling.h"
 #include "params.h"
-#include "reader.h"
 #include "transform.h"
 
 #include <math.h>
@@ -12,9 +11,9 @@
 
 /* an entry of "fill" while it is read */
 struct fill {
+    struct reader *reader;
     const struct json_at *entry;
     struct scene_body *body;
-    double *so_far;    /* number of particles in the scene */
     bool has_velocity; /* the entry has its own "velocity" */
 };
 
@@ -76,7 +75,7 @@ static pdyn_status fill_box(const struct json_at *at, struct fill *fill) {
                 at, "expected edges of at least %.10g m (twice the radius), found %.10g m along %c",
                 2.0 * radius, edge, "xyz"[a]);
     }
-    if (status == PDYN_OK) status = reader_add_particles(at, count, fill->so_far);
+    if (status == PDYN_OK) status = reader_add_particles(fill->reader, at, count);
     if (status != PDYN_OK) return status;
     note_filled_part(at, fill, &box);
     return json_wrap(at, sample_box_volume(at->file->context, &box, radius, &fill->body->start));
@@ -85,7 +84,7 @@ static pdyn_status fill_box(const struct json_at *at, struct fill *fill) {
 /* Adds the particles of a shape to the count; the body had `before` particles. */
 static pdyn_status count_added(const struct json_at *at, struct fill *fill, int before) {
     int added = fill->body->start.count - before;
-    if (added) return reader_add_particles(at, added, fill->so_far);
+    if (added) return reader_add_particles(fill->reader, at, added);
     return json_fail(at, "no particle of radius %.10g m fits into the shape", fill->body->radius);
 }
 
@@ -128,7 +127,7 @@ static pdyn_status fill_placed_file(const struct json_at *at, struct fill *fill,
                                     const struct particles *particles) {
     pdyn_context *context = at->file->context;
     struct scene_body *body = fill->body;
-    pdyn_status status = reader_add_particles(at, particles->count, fill->so_far);
+    pdyn_status status = reader_add_particles(fill->reader, at, particles->count);
     if (status == PDYN_OK)
         status = point_list_append(context, &body->start, particles->x, particles->count);
     body->keep_overlap = true; /* a fluid in motion comes closer to walls than a lattice */
@@ -169,11 +168,12 @@ pdyn_status fill_check_range(const struct json_at *at, const struct point_list *
     return PDYN_OK;
 }
 
-pdyn_status fill_read(const struct json_at *at, struct scene_body *body, double *so_far) {
+pdyn_status fill_read(struct reader *r, const struct json_at *at) {
     static const char *const keys[] = {"box",    "sphere",    "mesh",     "file", "scale",
                                        "rotate", "translate", "velocity", NULL};
     struct json_at velocity_at = json_member(at, "velocity");
-    struct fill fill = {at, body, so_far, velocity_at.value != NULL};
+    struct scene_body *body = r->body;
+    struct fill fill = {r, at, body, velocity_at.value != NULL};
     double velocity[3];
     int shape = 0, first = body->start.count;
     pdyn_status status = params_check_keys(at, NULL, keys);

@@ -8,11 +8,11 @@
 
 enum { WORD = 64, HINT = 768 };
 
-pdyn_status reader_add_particles(const struct json_at *at, double count, double *so_far) {
-    *so_far += count;
-    if (*so_far <= MAX_PARTICLES) return PDYN_OK;
+pdyn_status reader_add_particles(struct reader *r, const struct json_at *at, double count) {
+    r->particles += count;
+    if (r->particles <= MAX_PARTICLES) return PDYN_OK;
     return json_fail(at, "expected at most %d particles in the scene, found %.10g so far",
-                     MAX_PARTICLES, *so_far);
+                     MAX_PARTICLES, r->particles);
 }
 
 double reader_bump(const struct reader *r) { return 0.1 * r->scene->contact.thickness; }

@@ -30,7 +30,7 @@ read_fn scene_read_body, scene_read_solid, scene_read_probe;
 pdyn_status reader_orient_pieces(struct reader *r);
 
 /* Adds to the number of particles in the scene so far. PDYN_BAD_INPUT: more than MAX_PARTICLES. */
-pdyn_status reader_add_particles(const struct json_at *at, double count, double *so_far);
+pdyn_status reader_add_particles(struct reader *r, const struct json_at *at, double count);
 
 /* How far the vertices of a round shape may be outside of its triangles, m: what contact does not
  * feel. 0: there is no contact. */

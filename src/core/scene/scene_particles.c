@@ -15,7 +15,7 @@ static const pdyn_param particles_params[] = {
     {0}};
 
 static pdyn_status read_fill(struct reader *r, const struct json_at *at, int index) {
-    pdyn_status status = fill_read(at, r->body, &r->particles);
+    pdyn_status status = fill_read(r, at);
     r->body->fill_end[index] = r->body->start.count;
     return status;
 }
@@ -36,8 +36,8 @@ static pdyn_status read_budget(struct reader *r, const struct json_at *owner,
             inlet_layers(&body->inlet[k], end, 2.0 * body->radius) * body->inlet[k].layer.count;
     if (body->inlets) total = fmax(total, 1.0);
     if (at.value && !body->inlets) return json_fail_at_key(&at, "\"budget\" needs \"inlets\"");
-    pdyn_status status = reader_add_particles(at.value ? &at : inlets,
-                                              at.value ? body->budget : total, &r->particles);
+    pdyn_status status =
+        reader_add_particles(r, at.value ? &at : inlets, at.value ? body->budget : total);
     if (status == PDYN_OK && !at.value) body->budget = (int)total;
     return status;
 }

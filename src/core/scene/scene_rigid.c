@@ -70,8 +70,7 @@ static pdyn_status read_shape(struct reader *r, const struct json_at *at,
     if (cell.value) status = filled_mesh_read_surface(&shape_at, &cell, transform, r->body);
     else status = place_shape(r, &shape_at, shape, transform);
     if (status == PDYN_OK)
-        status = reader_add_particles(&shape_at, r->body->mesh.vertices + (double)RIGID_POINTS,
-                                      &r->particles);
+        status = reader_add_particles(r, &shape_at, r->body->mesh.vertices + (double)RIGID_POINTS);
     return status == PDYN_OK ? json_wrap(&shape_at, check_mesh(r, &r->body->mesh)) : status;
 }
 

@@ -14,8 +14,7 @@ static pdyn_status read_grid(struct reader *r, const struct json_at *at, struct 
     if (status == PDYN_OK) status = params_reals(&size_at, 2, 1e-6, 1e6, "m", size);
     if (status == PDYN_OK) status = params_ints(&vertices_at, 2, 2, MAX_PARTICLES, vertices);
     if (status == PDYN_OK)
-        status =
-            reader_add_particles(&vertices_at, (double)vertices[0] * vertices[1], &r->particles);
+        status = reader_add_particles(r, &vertices_at, (double)vertices[0] * vertices[1]);
     if (status == PDYN_OK && sag_at.value) status = params_real(&sag_at, -1e6, 1e6, "m", &sag);
     if (status != PDYN_OK) return status;
     return json_wrap(at, mesh_grid(r->context, size, vertices, sag, mesh));
@@ -46,7 +45,7 @@ pdyn_status scene_read_surface(struct reader *r, const struct json_at *at) {
     if (grid.value) status = read_grid(r, &grid, &body->mesh);
     else status = file_ref_mesh(&mesh, &body->mesh, &body->obj);
     if (status == PDYN_OK && mesh.value)
-        status = reader_add_particles(&mesh, body->mesh.vertices, &r->particles);
+        status = reader_add_particles(r, &mesh, body->mesh.vertices);
     if (status != PDYN_OK) return status;
     transform_points(&transform, body->mesh.vertex, body->mesh.vertices);
     status = mesh_check(&body->mesh, "as placed");

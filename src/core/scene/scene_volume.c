@@ -20,7 +20,7 @@ static pdyn_status read_tet_grid(struct reader *r, const struct json_at *at) {
     if (status == PDYN_OK) status = params_reals(&size_at, 3, 1e-6, 1e6, "m", size);
     if (status == PDYN_OK) status = params_ints(&cells_at, 3, 1, MAX_PARTICLES, cells);
     if (status == PDYN_OK) vertices = (1.0 + cells[0]) * (1.0 + cells[1]) * (1.0 + cells[2]);
-    if (status == PDYN_OK) status = reader_add_particles(&cells_at, vertices, &r->particles);
+    if (status == PDYN_OK) status = reader_add_particles(r, &cells_at, vertices);
     if (status == PDYN_OK && vertices > MAX_PARTICLES / 16)
         status = json_fail(&cells_at, "more than %d vertices", MAX_PARTICLES / 16);
     if (status != PDYN_OK) return status;
@@ -29,8 +29,7 @@ static pdyn_status read_tet_grid(struct reader *r, const struct json_at *at) {
 
 static pdyn_status read_tet_mesh(struct reader *r, const struct json_at *at) {
     pdyn_status status = file_ref_tets(at, &r->body->mesh, &r->body->tets);
-    return status == PDYN_OK ? reader_add_particles(at, r->body->mesh.vertices, &r->particles)
-                             : status;
+    return status == PDYN_OK ? reader_add_particles(r, at, r->body->mesh.vertices) : status;
 }
 
 /* Places tetrahedra. */
@@ -59,8 +58,7 @@ pdyn_status scene_read_volume(struct reader *r, const struct json_at *at) {
     if (status != PDYN_OK) return status;
     if (cell.value) {
         status = filled_mesh_read(&mesh, &cell, &transform, body);
-        return status == PDYN_OK ? reader_add_particles(&mesh, body->mesh.vertices, &r->particles)
-                                 : status;
+        return status == PDYN_OK ? reader_add_particles(r, &mesh, body->mesh.vertices) : status;
     }
     status = grid.value ? read_tet_grid(r, &grid) : read_tet_mesh(r, &mesh);
     return status == PDYN_OK ? place_tets(r, grid.value ? &grid : &mesh, &transform) : status;
