@@ -6,22 +6,17 @@
 
 #include <string.h>
 
-pdyn_status file_ref_path(const struct json_at *at, const char *what, char **path, size_t *size) {
+pdyn_status file_ref_path(const struct json_at *at, const char *what, char **path) {
     const struct json_file *scene = at->file;
     const char *name = json_string_value(at->value);
     if (!name) return json_expected(at, what);
     const char *slash = scene->on_disk ? strrchr(scene->name, '/') : NULL;
     size_t folder = slash && *name != '/' ? (size_t)(slash - scene->name) + 1 : 0;
-    *size = folder + strlen(name) + 1;
-    *path = NEW_ARRAY(scene->context, *size, char);
+    *path = NEW_ARRAY(scene->context, folder + strlen(name) + 1, char);
     if (!*path) return PDYN_NO_MEMORY;
     memcpy(*path, scene->name, folder);
     strcpy(*path + folder, name);
     return scene->sources ? sources_add(scene->context, scene->sources, *path) : PDYN_OK;
-}
-
-static void free_path(const struct json_at *at, char *path, size_t size) {
-    FREE_ARRAY(at->file->context, path, size);
 }
 
 /* The arrays that stand for the file whose name is the value at `at`; NULL: none. */
@@ -39,12 +34,10 @@ pdyn_status file_ref_mesh(const struct json_at *at, struct mesh *mesh, char **ob
     const struct array_file *arrays = find_arrays(at);
     if (arrays) return json_wrap(at, array_file_mesh(at->file->context, arrays, mesh));
     char *path = NULL;
-    size_t size = 0;
-    pdyn_status status =
-        file_ref_path(at, "the name of a mesh file, .obj, .ply or .stl", &path, &size);
+    pdyn_status status = file_ref_path(at, "the name of a mesh file, .obj, .ply or .stl", &path);
     if (status == PDYN_OK) status = json_wrap(at, mesh_read(at->file->context, path, mesh));
     if (status == PDYN_OK && obj && is_obj(path)) *obj = path;
-    else free_path(at, path, size);
+    else context_free_text(at->file->context, path);
     return status;
 }
 
@@ -52,11 +45,10 @@ pdyn_status file_ref_tets(const struct json_at *at, struct mesh *mesh, struct te
     const struct array_file *arrays = find_arrays(at);
     if (arrays) return json_wrap(at, array_file_tets(at->file->context, arrays, mesh, tets));
     char *path = NULL;
-    size_t size = 0;
     pdyn_status status =
-        file_ref_path(at, "the name of a mesh of tetrahedra, .node, .ele or .msh", &path, &size);
+        file_ref_path(at, "the name of a mesh of tetrahedra, .node, .ele or .msh", &path);
     if (status == PDYN_OK) status = json_wrap(at, tets_read(at->file->context, path, mesh, tets));
-    free_path(at, path, size);
+    context_free_text(at->file->context, path);
     return status;
 }
 
@@ -64,11 +56,9 @@ pdyn_status file_ref_particles(const struct json_at *at, struct particles *parti
     const struct array_file *arrays = find_arrays(at);
     if (arrays) return json_wrap(at, array_file_particles(at->file->context, arrays, particles));
     char *path = NULL;
-    size_t size = 0;
-    pdyn_status status =
-        file_ref_path(at, "the name of a file of particles, .ply or .vtk", &path, &size);
+    pdyn_status status = file_ref_path(at, "the name of a file of particles, .ply or .vtk", &path);
     if (status == PDYN_OK)
         status = json_wrap(at, particles_read(at->file->context, path, particles));
-    free_path(at, path, size);
+    context_free_text(at->file->context, path);
     return status;
 }

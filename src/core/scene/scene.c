@@ -147,11 +147,10 @@ static void resolve_contact(struct scene *scene) {
 
 static pdyn_status read_plugin(struct reader *r, const struct json_at *at, int index) {
     char *path = NULL;
-    size_t size = 0;
     (void)index;
-    pdyn_status status = file_ref_path(at, "the name of a plug-in's shared object", &path, &size);
+    pdyn_status status = file_ref_path(at, "the name of a plug-in's shared object", &path);
     if (status == PDYN_OK) status = json_wrap(at, pdyn_load_plugin(r->context, path));
-    FREE_ARRAY(r->context, path, size);
+    context_free_text(r->context, path);
     return status;
 }
 

@@ -145,12 +145,11 @@ static pdyn_status read_rows(const struct json_at *at, const pdyn_param *param, 
 static pdyn_status read_file(const struct json_at *at, const pdyn_param *param, int rows,
                              int vertices, pdyn_table *out) {
     char *path = NULL;
-    size_t size = 0;
     pdyn_context *context = at->file->context;
-    pdyn_status status = file_ref_path(at, "the name of a file", &path, &size);
+    pdyn_status status = file_ref_path(at, "the name of a file", &path);
     if (status == PDYN_OK)
         status = json_wrap(at, table_file_read(context, path, param, rows, vertices, out));
-    FREE_ARRAY(context, path, size);
+    context_free_text(context, path);
     return status;
 }
 
