@@ -17,12 +17,13 @@ struct call {
     const struct surface_samples *s;
     const double *in;
     double *out;
-    int numbers; /* per particle: 3 (vector) or 6 (block) */
+    int numbers;     /* per particle: 3 (vector) or 6 (block) */
+    const int *list; /* the samples that are interpolated; NULL: all */
 };
 
 static void parallel_for(const struct surface_samples *s, int count, int grain, pdyn_range_fn *fn,
                          const double *in, double *out, int numbers) {
-    struct call call = {s, in, out, numbers};
+    struct call call = {s, in, out, numbers, NULL};
     pool_for(s->context->pool, count, grain, fn, &call);
 }
 
@@ -33,44 +34,36 @@ static void copy_particles(void *arg, int first, int last, int block) {
     memcpy(c->out + begin, c->in + begin, count * sizeof *c->out);
 }
 
-/* Interpolates sample k from the three corners of its triangle. */
-INLINE void interpolate(const struct surface_samples *s, int k, const double *x, double *out) {
-    double sum[3];
-    samples_at(s, k, x, sum);
-    memcpy(out + 3 * (size_t)(s->particles + k), sum, sizeof sum);
-}
-
-static void interpolate_all(void *arg, int first, int last, int block) {
+/* Interpolates samples from the three corners of their triangles. */
+WIDE static void interpolate_samples(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
-    for (int k = first; k < last; k++) interpolate(c->s, k, c->in, c->out);
+    for (int n = first; n < last; n++) {
+        int k = c->list ? c->list[n] : n;
+        double sum[3];
+        samples_at(c->s, k, c->in, sum);
+        memcpy(c->out + 3 * (size_t)(c->s->particles + k), sum, sizeof sum);
+    }
+}
+
+/* out = (x, S x) for `count` samples of a list; x may be out itself. */
+static void interpolate(const struct surface_samples *s, const int *list, int count,
+                        const double *x, double *out) {
+    struct call call = {s, x, out, 3, list};
+    if (x != out) pool_for(s->context->pool, s->particles, PARTICLES, copy_particles, &call);
+    pool_for(s->context->pool, count, SAMPLES, interpolate_samples, &call);
 }
 
 void samples_interpolate(const struct surface_samples *s, const double *x, double *out) {
-    parallel_for(s, s->particles, PARTICLES, copy_particles, x, out, 3);
-    parallel_for(s, s->count, SAMPLES, interpolate_all, x, out, 3);
-}
-
-static void interpolate_near(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    for (int k = first; k < last; k++) interpolate(c->s, c->s->near[k], c->in, c->out);
+    interpolate(s, NULL, s->count, x, out);
 }
 
 void samples_interpolate_near(const struct surface_samples *s, const double *x, double *out) {
-    parallel_for(s, s->particles, PARTICLES, copy_particles, x, out, 3);
-    parallel_for(s, s->near_count, SAMPLES, interpolate_near, x, out, 3);
-}
-
-WIDE static void interpolate_active(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    for (int k = first; k < last; k++) interpolate(c->s, c->s->active[k], c->in, c->out);
+    interpolate(s, s->near, s->near_count, x, out);
 }
 
 void samples_interpolate_active(const struct surface_samples *s, const double *u) {
-    if (u != s->input) parallel_for(s, s->particles, PARTICLES, copy_particles, u, s->input, 3);
-    parallel_for(s, s->active_count, SAMPLES, interpolate_active, u, s->input, 3);
+    interpolate(s, s->active, s->active_count, u, s->input);
 }
 
 static void clear_particles(void *arg, int first, int last, int block) {
