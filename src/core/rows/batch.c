@@ -179,9 +179,10 @@ void batch_find_acceleration(struct batch *b, const struct velocity_change *chan
 }
 
 static int operator_impacts(struct batch *b, const struct velocity_change *change, double *force) {
-    one_sided_rate_acceleration(&b->one_sided, with_samples(b, change->scratch));
-    one_sided_rate_slowed(&b->one_sided, with_samples(b, change->slowed));
-    int count = one_sided_impacts(&b->one_sided, b->view.body->mass[0], change->h, change->solved,
+    struct one_sided *s = &b->one_sided;
+    batch_rate(b, s->acts, change->scratch, s->reached);
+    batch_rate(b, s->acts, change->slowed, s->rate);
+    int count = one_sided_impacts(s, b->view.body->mass[0], change->h, change->solved,
                                   begin_output(b, force));
     end_output(b, force);
     return count;

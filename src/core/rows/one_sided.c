@@ -239,17 +239,9 @@ void one_sided_forces(struct one_sided *s, double *y) {
     s->op->force(s->self, s->multiplier, y);
 }
 
-void one_sided_rate_slowed(struct one_sided *s, const double *slowed) {
-    s->op->rate(s->self, s->acts, slowed, s->rate);
-}
-
-void one_sided_rate_acceleration(struct one_sided *s, const double *acceleration) {
-    s->op->rate(s->self, s->acts, acceleration, s->reached);
-}
-
 struct impacts {
     struct one_sided *s;
-    const double *slowed, *acceleration; /* count: rates by one_sided_rate_... */
+    const double *slowed, *acceleration; /* count: rates */
     double mass, h;
     bool comparable; /* with the forces of the step before: both steps are solved */
 };

@@ -18,8 +18,8 @@ struct one_sided {
     void *self; /* the operator's state */
     int particles, capacity;
     pdyn_one_sided at; /* the x of the last local step */
-    double *reached;   /* count: C_i + grad C_i . d; at impacts one_sided_rate_acceleration */
-    double *rate;      /* count: grad C_i . u, u: the search direction, or one_sided_rate_slowed */
+    double *reached;   /* count: C_i + grad C_i . d; at impacts see one_sided_impacts */
+    double *rate;      /* count: grad C_i . u, u: the search direction; at impacts see there */
     double *mean; /* means: multipliers of the mean forces of the last step: without those parts
                      of impacts that the integrator left out */
     int means;    /* the count of the last step; 0: that step was not solved */
@@ -73,13 +73,11 @@ double one_sided_energy(const struct one_sided *s, int i);
 void one_sided_persist(struct one_sided *s, struct snapshot_file *snapshot);
 /* y += the gradient of the constraints' energy at the last local step, N */
 void one_sided_forces(struct one_sided *s, double *y);
-/* Compute the rates grad C_i . u for one_sided_impacts, of u = velocities before a step minus those
- * after it, m/s, and of u = these gradients over the masses, m/s^2 (particles x 3). */
-void one_sided_rate_slowed(struct one_sided *s, const double *slowed);
-void one_sided_rate_acceleration(struct one_sided *s, const double *acceleration);
-/* y += the impact parts of the forces, from these rates. mass: kg, of a particle of the body; h: s;
- * solved: the forces are those of a solved step. Returns the number of forces of which the impact
- * is the greater part. */
+/* y += the impact parts of the forces. The caller has set, for constraints that act, `rate` to
+ * grad C_i . (velocities before the step minus those after it), m/s, and `reached` to grad C_i .
+ * (the gradient of one_sided_forces over the masses), m/s^2. mass: kg, of a particle of the body;
+ * h: s; solved: the forces are those of a solved step. Returns the number of forces of which the
+ * impact is the greater part. */
 int one_sided_impacts(struct one_sided *s, double mass, double h, bool solved, double *y);
 
 #endif
