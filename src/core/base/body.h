@@ -1,10 +1,15 @@
-/* The two kinds of bodies (pdyn_body of module.h): a body of particles, or one with a surface: a
- * sheet, a volume or a rigid body. */
+/* What a body is and has (pdyn_body of module.h). */
 #ifndef PDYN_BODY_H
 #define PDYN_BODY_H
 
 #include "projdyn/module.h"
 
+/* Whether it is a body of particles. The others have a surface: sheets, volumes, rigid bodies. */
 static inline bool body_is_particles(const pdyn_body *body) { return body->radius > 0.0; }
+
+/* Whether particle i of the system belongs to the body. */
+static inline bool body_has(const pdyn_body *body, int i) {
+    return i >= body->first && i < body->first + body->count;
+}
 
 #endif

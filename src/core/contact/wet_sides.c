@@ -1,5 +1,6 @@
 #include "wet_sides.h"
 
+#include "base/body.h"
 #include "projdyn/kernel.h"
 #include "projdyn/vec3.h"
 #include "scene/scene.h"
@@ -67,7 +68,7 @@ static void set_side(const struct wet_sides *d, int e, int sample, const double 
                      const struct side *side, double both) {
     const struct surface_samples *s = d->samples;
     pdyn_wet_side *to = &d->side[e];
-    double area = s->volume[sample];
+    double stretched = s->volume[sample] / s->rest_volume[sample]; /* area over the area at rest */
     for (int k = 0; k < WIDTH; k++) to->particle[k] = s->vertex[3 * sample], to->coefficient[k] = 0;
     for (int k = 0; k < 3; k++) {
         to->particle[k] = s->vertex[3 * sample + k];
@@ -78,9 +79,8 @@ static void set_side(const struct wet_sides *d, int e, int sample, const double 
         to->coefficient[3 + k] = side->share[k] / side->sum;
     }
     memcpy(to->normal, n, sizeof to->normal);
-    area /= s->rest_volume[sample];
-    to->along = d->along[sample] * area * fmin(1.0, side->sum / wet_share);
-    to->across = d->across[sample] * area * fmin(1.0, both / wet_share) * side->sum / both;
+    to->along = d->along[sample] * stretched * fmin(1.0, side->sum / wet_share);
+    to->across = d->across[sample] * stretched * fmin(1.0, both / wet_share) * side->sum / both;
 }
 
 static void fill_sides(void *arg, int first, int last, int block) {
@@ -124,6 +124,10 @@ pdyn_status wet_sides_find(struct wet_sides *d, const double *x) {
 
 /* ---- setting up ------------------------------------------------------------------------------ */
 
+static bool is_on(const struct surface_samples *s, int sample, const pdyn_body *body) {
+    return body_has(body, s->vertex[3 * sample]);
+}
+
 /* The rates of a body's samples, which all have the same part of its area; friction: Pa s/m. */
 static void set_rates(struct wet_sides *d, const pdyn_body *body, double friction) {
     double resistance = body->permeability > 0.0 ? 1.0 / body->permeability : 0.0;
@@ -131,14 +135,20 @@ static void set_rates(struct wet_sides *d, const pdyn_body *body, double frictio
     double area = 0.0;
     int count = 0;
     for (int t = 0; t < body->triangles; t++) area += body->triangle_area[t];
-    for (int turn = 0; turn < 2; turn++)
-        for (int k = 0; k < s->count; k++) {
-            int i = s->vertex[3 * k] - body->first;
-            if (i < 0 || i >= body->count) continue;
-            if (turn)
-                d->along[k] = friction * area / count, d->across[k] = resistance * area / count;
-            else count++;
-        }
+    for (int k = 0; k < s->count; k++) count += is_on(s, k, body);
+    for (int k = 0; k < s->count; k++)
+        if (is_on(s, k, body))
+            d->along[k] = friction * area / count, d->across[k] = resistance * area / count;
+}
+
+static bool resize_arrays(struct wet_sides *d, enum array_action action) {
+    const struct array_entry table[] = {
+        ARRAY(d->along, d->samples->count),
+        ARRAY(d->across, d->samples->count),
+        ARRAY(d->first, 2 * (size_t)d->samples->count + 1),
+        ARRAY(d->side, d->room),
+    };
+    return context_arrays(d->context, table, ARRAY_ROWS(table), action);
 }
 
 pdyn_status wet_sides_create(pdyn_context *context, const struct scene *scene,
@@ -150,10 +160,7 @@ pdyn_status wet_sides_create(pdyn_context *context, const struct scene *scene,
     d->context = context, d->samples = samples, d->lists = lists;
     d->all = (pdyn_body){.name = "surfaces in fluid", .count = particles};
     d->view.particles = particles;
-    d->along = NEW_ARRAY(context, samples->count, double);
-    d->across = NEW_ARRAY(context, samples->count, double);
-    d->first = NEW_ARRAY(context, 2 * (size_t)samples->count + 1, int);
-    if (!d->along || !d->across || !d->first) return PDYN_NO_MEMORY;
+    if (!resize_arrays(d, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     for (int b = 0; b < scene->bodies; b++)
         if (scene->body[b].fluid_friction > 0.0 || body[b].permeability > 0.0)
             set_rates(d, &body[b], scene->body[b].fluid_friction);
@@ -162,9 +169,6 @@ pdyn_status wet_sides_create(pdyn_context *context, const struct scene *scene,
 
 void wet_sides_free(struct wet_sides *d) {
     if (!d) return;
-    FREE_ARRAY(d->context, d->side, d->room);
-    FREE_ARRAY(d->context, d->along, d->samples->count);
-    FREE_ARRAY(d->context, d->across, d->samples->count);
-    FREE_ARRAY(d->context, d->first, 2 * (size_t)d->samples->count + 1);
+    resize_arrays(d, ARRAYS_FREE);
     FREE_ARRAY(d->context, d, 1);
 }

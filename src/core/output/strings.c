@@ -1,5 +1,6 @@
 /* Springs between two bodies, as those of `attachment`, for pictures: each from a vertex to a point
  * of a triangle of another body. */
+#include "base/body.h"
 #include "base/registry.h"
 #include "output.h"
 
@@ -14,16 +15,12 @@ static const pdyn_body *other_of(const struct batch *b) {
     return NULL;
 }
 
-static bool is_of(const pdyn_body *body, int particle) {
-    return particle >= body->first && particle < body->first + body->count;
-}
-
 /* Whether the row that begins at an entry is x - sum_k w_k y_k, with y_k of the other body. */
 static bool is_spring(const struct batch *b, const pdyn_body *other, int first) {
     const int *column = b->view.column + first;
     const double *c = b->view.coefficient + first;
-    bool between = is_of(b->view.body, column[0]);
-    for (int k = 1; k < ENTRIES; k++) between &= is_of(other, column[k]);
+    bool between = body_has(b->view.body, column[0]);
+    for (int k = 1; k < ENTRIES; k++) between &= body_has(other, column[k]);
     return between && c[0] == 1.0 && fabs(c[1] + c[2] + c[3] + 1.0) < 1e-9;
 }
 

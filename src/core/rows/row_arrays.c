@@ -2,6 +2,7 @@
  * particles. */
 #include "row_arrays.h"
 
+#include "base/body.h"
 #include "base/registry.h"
 
 #include <math.h>
@@ -24,8 +25,7 @@ pdyn_status rows_fault(const struct batch *b, const char *format, ...) {
 static bool is_of_other(const struct batch *b, int particle) {
     for (const pdyn_param *p = b->type->params; p->name; p++) {
         const pdyn_other *other = param_other(p, b->params);
-        const pdyn_body *body = other ? other->body : NULL;
-        if (body && particle >= body->first && particle < body->first + body->count) return true;
+        if (other && other->body && body_has(other->body, particle)) return true;
     }
     return false;
 }

@@ -71,9 +71,8 @@ static bool find_boundary_point(struct wall *wall, int k, struct wall_point *out
 static bool find_sample(const struct wall *wall, int k, struct wall_point *out) {
     const struct pdyn_sim *sim = wall->sim;
     const struct surface_samples *samples = sim->objective.samples;
-    const pdyn_body *body = &sim->body[wall->probe->on_body];
     const int *vertex = samples->vertex + 3 * (size_t)k;
-    if (*vertex < body->first || *vertex >= body->first + body->count) return false;
+    if (!body_has(&sim->body[wall->probe->on_body], *vertex)) return false;
     samples_at(samples, k, sim->x, out->x);
     if (!is_near(wall, out->x)) return false;
     vec3_normal(out->normal, sim->x + 3 * (size_t)vertex[0], sim->x + 3 * (size_t)vertex[1],
