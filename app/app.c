@@ -40,13 +40,14 @@ int parse_options(int argc, char **argv, const char *letters, const struct optio
     return -1;
 }
 
-bool parse_integer(const char *option, const char *text, long min, long max, long *out) {
+bool parse_integer(const char *option, const char *text, int min, int max, int *out) {
     char *end;
     errno = 0;
-    *out = strtol(text, &end, 10);
-    if (!errno && !*end && end != text && *out >= min && *out <= max) return true;
-    fprintf(stderr, "projdyn: %s: found \"%s\", expected an integer from %ld to %ld\n", option,
-            text, min, max);
+    long number = strtol(text, &end, 10);
+    if (!errno && !*end && end != text && number >= min && number <= max)
+        return *out = (int)number, true;
+    fprintf(stderr, "projdyn: %s: found \"%s\", expected an integer from %d to %d\n", option, text,
+            min, max);
     return false;
 }
 
@@ -94,10 +95,10 @@ static double clock_seconds(clockid_t clock) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-long usable_cores(void) {
+int usable_cores(void) {
     cpu_set_t set;
     if (!sched_getaffinity(0, sizeof set, &set)) return CPU_COUNT(&set);
-    return sysconf(_SC_NPROCESSORS_ONLN); /* above 1024 cores */
+    return (int)sysconf(_SC_NPROCESSORS_ONLN); /* above 1024 cores */
 }
 
 double wall_seconds(void) { return clock_seconds(CLOCK_MONOTONIC); }

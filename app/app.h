@@ -34,7 +34,7 @@ int parse_options(int argc, char **argv, const char *letters, const struct optio
                   const char *usage, bool (*accept)(void *self, int option), void *self);
 
 /* Parses the integer argument of an option, min <= *out <= max; false with a message otherwise. */
-bool parse_integer(const char *option, const char *text, long min, long max, long *out);
+bool parse_integer(const char *option, const char *text, int min, int max, int *out);
 
 /* Longest duration of a scene, s (schema/scene.schema.json). */
 #define LONGEST_DURATION 1e6
@@ -59,7 +59,7 @@ double wall_seconds(void);
 double processor_seconds(void);
 
 /* Cores that this process may use: `taskset` and batch systems grant a part of them. */
-long usable_cores(void);
+int usable_cores(void);
 
 /* Erases the progress line of `projdyn run` if stderr is a terminal; call it before other output
  * to stderr. */

@@ -34,13 +34,6 @@ struct compare {
 
 /* ---- arguments ------------------------------------------------------------------------------- */
 
-static bool parse_count(const char *option, const char *text, int *out) {
-    long number;
-    if (!parse_integer(option, text, 1, 1000000, &number)) return false;
-    *out = (int)number;
-    return true;
-}
-
 /* Parses a list A,B,... of solver names; false if memory ran out. */
 static bool parse_solvers(struct compare *c, const char *text) {
     int count = 1;
@@ -62,9 +55,9 @@ static bool accept_option(void *self, int option) {
     case 'o':
         return parse_solvers(c, optarg);
     case 'n':
-        return parse_count("--steps", optarg, &c->benchmark.steps);
+        return parse_integer("--steps", optarg, 1, 1000000, &c->benchmark.steps);
     case 'r':
-        return parse_count("--rounds", optarg, &c->benchmark.rounds);
+        return parse_integer("--rounds", optarg, 1, 1000000, &c->benchmark.rounds);
     case 'c':
         return c->csv = true;
     default:

@@ -70,13 +70,6 @@ static bool parse_wall_time(struct run_options *o, const char *text) {
     return true;
 }
 
-static bool parse_save(struct run_options *o, const char *text) {
-    long frames;
-    if (!parse_integer("--save", text, 0, INT_MAX, &frames)) return false;
-    o->save_interval = (int)frames;
-    return true;
-}
-
 static bool accept_option(void *self, int option) {
     struct run_options *o = self;
     switch (option) {
@@ -95,7 +88,7 @@ static bool accept_option(void *self, int option) {
     case 'R':
         return o->resume = optarg, true;
     case 'S':
-        return parse_save(o, optarg);
+        return parse_integer("--save", optarg, 0, INT_MAX, &o->save_interval);
     case 'T':
         return parse_seconds("--time", optarg, LONGEST_DURATION, &o->given_end);
     case 'W':

@@ -5,13 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool parse_threads(struct scene_options *options, const char *text) {
-    long threads;
-    if (!parse_integer("--threads", text, 1, 1024, &threads)) return false;
-    options->threads = (int)threads;
-    return true;
-}
-
 static bool append_text(const char ***list, int *count, const char *text) {
     const char **longer = realloc(*list, (size_t)(*count + 1) * sizeof *longer);
     if (!longer) return report_no_memory(), false;
@@ -42,7 +35,7 @@ bool scene_plugins_allowed(void) {
 
 bool scene_accept_option(struct scene_options *options, int option) {
     if (option == 's') return scene_set(options, optarg);
-    if (option == 't') return parse_threads(options, optarg);
+    if (option == 't') return parse_integer("--threads", optarg, 1, 1024, &options->threads);
     if (option == 'P') return scene_plugin(options, optarg);
     return option == 'A' && permit_plugins();
 }

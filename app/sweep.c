@@ -36,7 +36,7 @@ struct sweep {
     struct jobs jobs;
     struct parameter_grid grid;
     char *output; /* owned output path if --output is absent */
-    long point;   /* grid point to run; -1: all */
+    int point;    /* grid point to run; -1: all */
     bool frames, print, collect;
 };
 
@@ -54,8 +54,6 @@ static bool accept_time(struct sweep *s, const char *text) {
 
 static bool accept_option(void *self, int option) {
     struct sweep *s = self;
-    long number = 0;
-    bool good = true;
     switch (option) {
     case 's':
         return parameter_grid_add(&s->grid, optarg);
@@ -64,11 +62,9 @@ static bool accept_option(void *self, int option) {
     case 'o':
         return s->jobs.output = optarg, true;
     case 'j':
-        good = parse_integer("--jobs", optarg, 1, 1024, &number);
-        return s->jobs.processes = (int)number, good;
+        return parse_integer("--jobs", optarg, 1, 1024, &s->jobs.processes);
     case 't':
-        good = parse_integer("--threads", optarg, 1, 1024, &number);
-        return s->jobs.threads = (int)number, good;
+        return parse_integer("--threads", optarg, 1, 1024, &s->jobs.threads);
     case 'k':
         return parse_integer("--point", optarg, 0, GRID_MAX_POINTS - 1, &s->point);
     case 'f':
@@ -86,17 +82,18 @@ static bool accept_option(void *self, int option) {
 
 /* Checks the options against the grid and sets defaults. Returns -1, or an exit code on failure. */
 static int complete_options(struct sweep *s) {
-    long cores = usable_cores(), count = parameter_grid_count(&s->grid);
+    int cores = usable_cores();
+    long count = parameter_grid_count(&s->grid);
     if (count > GRID_MAX_POINTS) {
         fprintf(stderr, "projdyn: sweep: expected at most %d grid points\n", GRID_MAX_POINTS);
         return EXIT_BAD_INPUT;
     }
     if (s->point >= count) {
-        fprintf(stderr, "projdyn: --point: found %ld, expected at most %ld\n", s->point, count - 1);
+        fprintf(stderr, "projdyn: --point: found %d, expected at most %ld\n", s->point, count - 1);
         return EXIT_BAD_INPUT;
     }
     if (!s->jobs.processes)
-        s->jobs.processes = cores > s->jobs.threads ? (int)cores / s->jobs.threads : 1;
+        s->jobs.processes = cores > s->jobs.threads ? cores / s->jobs.threads : 1;
     if (!s->jobs.output) s->jobs.output = s->output = default_output("sweep-", s->jobs.scene.scene);
     return s->jobs.output ? -1 : EXIT_FAILED;
 }

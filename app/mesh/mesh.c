@@ -28,7 +28,7 @@ static const char usage[] =
 struct mesh_options {
     const struct surface_format *format;
     long first, last; /* frames */
-    long threads;
+    int threads;
 };
 
 /* What became of the frames of a body. */
@@ -80,9 +80,8 @@ static int mesh_frame(const struct run *run, const struct part *part, int f,
                       const struct mesh_options *options, struct mesh_summary *summary) {
     struct surface surface;
     double spacing = 2.0 * part->radius;
-    int threads = (int)options->threads;
-    int code = part->skin.count ? surface_carry(run, part, f, threads, &surface)
-                                : surface_make(run, part, f, true, threads, &surface);
+    int code = part->skin.count ? surface_carry(run, part, f, options->threads, &surface)
+                                : surface_make(run, part, f, true, options->threads, &surface);
     if (code == EXIT_GOOD) code = write_surface(run, part, f, options, &surface);
     if (code == EXIT_GOOD) add_to_summary(summary, &surface, surface.particles * pow(spacing, 3.0));
     surface_free(&surface);

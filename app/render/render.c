@@ -40,12 +40,13 @@ enum { SAMPLES = 2 /* a side of a pixel of the picture is drawn as so many */ };
 
 struct options {
     const char *output, *view;
-    long width, height, frame; /* frame -1: the last one */
-    long first, last;          /* frames of a film; last -1: the last one */
-    double time, fps;          /* NAN: not given */
-    double turntable;          /* s; 0: none */
-    const char *camera;        /* argument of --camera; NULL: none */
-    char *keys;                /* its keys, see camera_keys.h */
+    long width, height;
+    int frame;          /* -1: the last one */
+    long first, last;   /* frames of a film; last -1: the last one */
+    double time, fps;   /* NAN: not given */
+    double turntable;   /* s; 0: none */
+    const char *camera; /* argument of --camera; NULL: none */
+    char *keys;         /* its keys, see camera_keys.h */
 };
 
 enum {
@@ -107,7 +108,7 @@ static double simulated_rate(const struct run *run) {
 /* Sets the frame of a picture and the rate of a film; EXIT_BAD_INPUT if the run lacks a frame. */
 static int choose_frame(const struct run *run, struct options *options) {
     if (options->frame >= run->frames)
-        return run_error("render: --frame %ld: expected at most %d, the last frame of the run",
+        return run_error("render: --frame %d: expected at most %d, the last frame of the run",
                          options->frame, run->frames - 1);
     if (options->last >= run->frames)
         return run_error(

@@ -54,7 +54,7 @@ int water_surface_send(struct browser *browser, const struct run *run, int frame
     for (int b = 0; b < run->parts && code == EXIT_GOOD; b++) { /* bodies are the first parts */
         struct surface surface;
         if (!run->part[b].fluid) continue;
-        code = surface_make(run, &run->part[b], frame, false, (int)usable_cores(), &surface);
+        code = surface_make(run, &run->part[b], frame, false, usable_cores(), &surface);
         if (code == EXIT_GOOD) {
             flatten(&surface);
             code = send_surface(browser, b, &surface);

@@ -177,11 +177,10 @@ static int trade(struct study *study, const struct target *target) {
 }
 
 int trade_main(int argc, char **argv) {
-    long cores = usable_cores();
     struct options o = {.target = {.max_error = INFINITY, .max_ms = INFINITY},
                         .minutes = 25.0,
                         .study = {.table.metric = TRIAL_MAX_ERROR,
-                                  .jobs = {.threads = 1, .processes = cores > 1 ? (int)cores : 1}}};
+                                  .jobs = {.threads = 1, .processes = usable_cores()}}};
     int code = parse(&o, argc, argv);
     /* Total time in units of one run: 80 for all settings and references, in parallel; 10 for the
      * second runs of the Pareto front and 8 for runs on the scene itself, one after the other. */

@@ -29,17 +29,10 @@ struct view_options {
     struct server_options server;
 };
 
-static bool parse_port(struct view_options *o, const char *text) {
-    long port;
-    if (!parse_integer("--port", text, 1, 65535, &port)) return false;
-    o->server.port = (int)port;
-    return true;
-}
-
 static bool accept_option(void *self, int option) {
     struct view_options *o = self;
     if (option == 'n') return o->server.open_browser = false, true;
-    if (option == 'p') return parse_port(o, optarg);
+    if (option == 'p') return parse_integer("--port", optarg, 1, 65535, &o->server.port);
     return scene_accept_option(&o->scene, option);
 }
 
