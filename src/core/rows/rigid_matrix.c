@@ -167,7 +167,8 @@ static double multiply_all(const struct rigid_map *map, const double *p, double 
     return sum;
 }
 
-/* p = P^-1 r + scale p with the diagonal blocks P of B; returns r . P^-1 r */
+/* p = P^-1 r + sum / before p with the diagonal blocks P of B; returns sum = r . P^-1 r. before:
+ * the sum of the last direction; 0: there is none. */
 static double turn_direction(const struct rigid_map *map, const double *r, double before,
                              double *p) {
     double *z = map->solve.z, sum = 0.0;

@@ -4,6 +4,7 @@
 #include "minimise.h"
 
 #include "contact/contact.h"
+#include "damping.h"
 #include "global_step.h"
 #include "iterate.h"
 #include "line_search.h"
@@ -51,55 +52,6 @@ static pdyn_status check_tangents(struct pdyn_sim *sim) {
 
 /* ---- one iteration --------------------------------------------------------------------------- */
 
-/* Levenberg-Marquardt: more damping after a step that was shortened, less after a whole one.
- *
- * With a dual solver eps is 0 in the first iteration, which makes the whole inertial step. Later
- * the slope at the end of a step sets eps: it tells whether the step was too long or too short.
- * Damping there stands for the second derivatives of a fluid's constraints, which H leaves out. */
-
-/* Damping begins with the first value. Below the last one it is 0: H changes less than a linear
- * solve resolves. */
-static const double first_damping = 1e-6, last_damping = 1e-7;
-
-/* Factors by which eps changes. A factor of 10 finds the damping that a step needs in few
- * iterations. A dual solver takes a smaller one, because it changes eps in both directions until
- * steps neither overshoot nor fall short. */
-static const double damping_factor = 10.0, dual_damping_factor = 4.0;
-
-/* Beyond this part of the slope before a step, the slope after it says that the step was too long,
- * where it is positive, or too short: half of it is halfway between a step to the minimum and one
- * that has no effect. */
-static const double slope_part = 0.5;
-
-static const double smallest_slope = 1e-300; /* no division by 0 */
-
-static double more_damping(double eps, double factor) {
-    return fmin(1.0, fmax(factor * eps, first_damping));
-}
-
-static double less_damping(double eps, double factor) {
-    return eps > last_damping ? eps / factor : 0.0;
-}
-
-static double adapt_to_slope(double eps, const struct line_step *step) {
-    double overshoot = step->slope_after / fmax(fabs(step->slope), smallest_slope);
-    if (step->length < 1.0 || overshoot > slope_part) return more_damping(eps, dual_damping_factor);
-    return overshoot < -slope_part ? less_damping(eps, dual_damping_factor) : eps;
-}
-
-static double adapt_to_length(double eps, const struct line_step *step) {
-    return step->length < 1.0 ? more_damping(eps, damping_factor)
-                              : less_damping(eps, damping_factor);
-}
-
-/* eps at the start of a step. With a dual solver eps falls from step to step; beside rows a step
- * after an unsolved one begins undamped. */
-static double damping_at_start(const struct pdyn_sim *sim) {
-    if (!sim->solver->dual) return sim->eps;
-    if (!solves_fluid_alone(sim) && sim->far_off) return 0.0;
-    return sim->scene.settings.newton ? less_damping(sim->eps, dual_damping_factor) : sim->eps;
-}
-
 /* How high E may be after an iteration with a dual solver: as high as two iterations ago, but the
  * last iterate, which becomes the state, not above the one before. */
 static double highest_energy(const struct pdyn_sim *sim, const struct progress *p) {
@@ -123,9 +75,7 @@ static pdyn_status iteration(struct pdyn_sim *sim, struct progress *p, bool *mov
     p->energy_before = energy;
     if (status != PDYN_OK) return status;
     *moved = inertial || taken.length > 0.0 || sim->eps < 1.0;
-    if (!sim->scene.settings.newton) return PDYN_OK;
-    if (!sim->solver->dual) sim->eps = adapt_to_length(sim->eps, &taken);
-    else if (!inertial) sim->eps = adapt_to_slope(sim->eps, &taken);
+    if (!inertial) sim->eps = damping_after(sim, &taken);
     return PDYN_OK;
 }
 

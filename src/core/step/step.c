@@ -34,8 +34,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Computes the prediction s = x^ + h_e v^ + h_e^2 (g + f/m), f: applied forces, which is the first
- * iterate. */
+/* Computes the prediction s = x^ + h_e v^ + h_e^2 (g + f/m), f: applied forces, and puts the
+ * iterate there. start_point.h moves it back where surfaces are in its way. */
 static pdyn_status predict(struct pdyn_sim *sim, const struct step_end *end) {
     sim->objective.length = end->h, sim->objective.time = end->time;
     double h_e = sim->objective.h = sim->scene.settings.integrator->begin(sim, end->h);
