@@ -35,7 +35,7 @@
 #include <string.h>
 
 /* Computes the prediction s = x^ + h_e v^ + h_e^2 (g + f/m), f: applied forces, and puts the
- * iterate there. start_point.h moves it back where surfaces are in its way. */
+ * iterate there; start_point.h may move it. */
 static pdyn_status predict(struct pdyn_sim *sim, const struct step_end *end) {
     sim->objective.length = end->h, sim->objective.time = end->time;
     double h_e = sim->objective.h = sim->scene.settings.integrator->begin(sim, end->h);
