@@ -48,25 +48,34 @@ INLINE void store_pairs(struct fluid *f, const struct chunk *near, int inside, i
     }
 }
 
-/* Adds `count` points to the sums. Moving neighbours are stored as pairs from *front on. front
- * NULL: boundary points, which are not stored and do not count in |grad C_i|^2. */
-INLINE void add_points(struct fluid *f, const v4 *at, const int *list, int count, double reach,
-                       evaluate_fn *evaluate, struct chunk *near, int *front, struct sum *sum) {
-    double squares = sum->squares;
+struct pass { /* over the neighbours of the particles of a block, one particle after the other */
+    struct fluid *f;
+    struct chunk *near;
+    int front;      /* the next pair that is stored */
+    v4 at;          /* of the current particle: position, and what `differences` makes of at[3] */
+    struct sum sum; /* over its neighbours */
+};
+
+/* Adds `count` points to the sums. Those that move are stored as pairs; boundary points are not,
+ * and do not count in |grad C_i|^2. */
+INLINE void add_points(struct pass *p, bool moving, const int *list, int count, double reach,
+                       evaluate_fn *evaluate) {
+    double squares = p->sum.squares;
     for (int s = 0; s < count; s += CHUNK) {
-        int inside = evaluate_near(f, at, list + s, chunk_of(count, s), reach, evaluate, near);
-        add_chunk(near, (inside + 3) / 4 * 4, sum);
-        if (!front) continue;
-        store_pairs(f, near, inside, *front, sum);
-        *front += inside;
+        int inside =
+            evaluate_near(p->f, &p->at, list + s, chunk_of(count, s), reach, evaluate, p->near);
+        add_chunk(p->near, (inside + 3) / 4 * 4, &p->sum);
+        if (!moving) continue;
+        store_pairs(p->f, p->near, inside, p->front, &p->sum);
+        p->front += inside;
     }
-    if (!front) sum->squares = squares;
+    if (!moving) p->sum.squares = squares;
 }
 
 /* Adds the listed points first to last - 1. */
-INLINE void add_neighbours(struct fluid *f, const v4 *at, int first, int last, double reach,
-                           evaluate_fn *evaluate, struct chunk *near, int *front, struct sum *sum) {
-    add_points(f, at, f->lists->index + first, last - first, reach, evaluate, near, front, sum);
+INLINE void add_neighbours(struct pass *p, bool moving, int first, int last, double reach,
+                           evaluate_fn *evaluate) {
+    add_points(p, moving, p->f->lists->index + first, last - first, reach, evaluate);
 }
 
 /* ---- energy ---------------------------------------------------------------------------------- */
@@ -81,25 +90,22 @@ INLINE double store_constraint(struct fluid *f, int i, const struct sum *sum) {
     return 0.5 * f->flux[i] * f->value[i];
 }
 
-/* Computes and stores constraint i, with its pairs from *front on; returns its energy. */
-INLINE double project_fluid(struct fluid *f, int i, struct chunk *near, int *front) {
+/* Computes and stores constraint i and its pairs; returns its energy. */
+INLINE double project_fluid(struct pass *p, int i) {
+    struct fluid *f = p->f;
     const pdyn_neighbours *l = f->lists;
     double rest = 1.0 + (l->granted ? l->granted[i] : 0.0);
-    struct sum sum = {.c = f->x[4 * (size_t)i + 3] * f->kernel.value - rest, .members = 1};
-    v4 at;
-    v4_set(&at, f->x + 4 * (size_t)i, 0.0);
-    add_neighbours(f, &at, l->start[i], l->surface_start[i], l->support, evaluate_particles, near,
-                   front, &sum);
-    add_neighbours(f, &at, l->surface_start[i], l->boundary_start[i], l->surface_support,
-                   evaluate_surface, near, front, &sum);
-    add_neighbours(f, &at, l->boundary_start[i], l->patch_start[i], l->support, evaluate_particles,
-                   near, NULL, &sum);
-    add_neighbours(f, &at, l->patch_start[i], l->end[i], l->surface_support, evaluate_areas, near,
-                   NULL, &sum);
-    f->pair_end[i] = *front;
-    f->weight_sum[i] = f->params.stiffness * sum.members;
-    sum.squares += vec3_dot(sum.gradient, sum.gradient);
-    return store_constraint(f, i, &sum);
+    p->sum = (struct sum){.c = f->x[4 * (size_t)i + 3] * f->kernel.value - rest, .members = 1};
+    v4_set(&p->at, f->x + 4 * (size_t)i, 0.0);
+    add_neighbours(p, true, l->start[i], l->surface_start[i], l->support, evaluate_particles);
+    add_neighbours(p, true, l->surface_start[i], l->boundary_start[i], l->surface_support,
+                   evaluate_surface);
+    add_neighbours(p, false, l->boundary_start[i], l->patch_start[i], l->support,
+                   evaluate_particles);
+    add_neighbours(p, false, l->patch_start[i], l->end[i], l->surface_support, evaluate_areas);
+    f->weight_sum[i] = f->params.stiffness * p->sum.members;
+    p->sum.squares += vec3_dot(p->sum.gradient, p->sum.gradient);
+    return store_constraint(f, i, &p->sum);
 }
 
 /* own = the particles of this fluid among the listed ones from *s on, at most CHUNK; returns their
@@ -117,32 +123,31 @@ INLINE int select_own(const struct fluid *f, int *s, int last, int own[CHUNK]) {
  * another fluid. These pairs count with the relative volume V of i. `differences` subtracts the
  * relative volume of the neighbour, which is 1 because it is a particle of the fluid, from at[3]:
  * with at[3] = 1 - V it gives -V, as chunk.volume is. */
-INLINE void project_other(struct fluid *f, int i, struct chunk *near, int *front) {
+INLINE void project_other(struct pass *p, int i) {
+    struct fluid *f = p->f;
     const pdyn_neighbours *l = f->lists;
     bool sample = i >= l->particles - l->samples;
-    struct sum sum = {0};
     int own[CHUNK];
-    v4 at;
-    v4_set(&at, f->x + 4 * (size_t)i, 1.0 - f->x[4 * (size_t)i + 3]);
+    p->sum = (struct sum){0};
+    v4_set(&p->at, f->x + 4 * (size_t)i, 1.0 - f->x[4 * (size_t)i + 3]);
     for (int s = l->start[i], count; (count = select_own(f, &s, l->surface_start[i], own)) > 0;)
-        if (sample)
-            add_points(f, &at, own, count, l->surface_support, evaluate_surface, near, front, &sum);
-        else add_points(f, &at, own, count, l->support, evaluate_particles, near, front, &sum);
-    f->pair_end[i] = *front;
-    f->weight_sum[i] = f->params.stiffness * sum.members;
+        if (sample) add_points(p, true, own, count, l->surface_support, evaluate_surface);
+        else add_points(p, true, own, count, l->support, evaluate_particles);
+    f->weight_sum[i] = f->params.stiffness * p->sum.members;
 }
 
 WIDE static void project_block(void *arg, int first, int last, int block) {
     struct fluid *f = ((const struct fluid_call *)arg)->f;
     struct chunk near;
+    struct pass pass = {.f = f, .near = &near, .front = f->block_start[block]};
     double energy = 0.0;
-    int front = f->block_start[block];
     f->partial[block] = 0.0;
     if (!takes_part(f, first, last, block)) return;
     for (int i = first; i < last; i++) {
-        f->pair_start[i] = front;
-        if (is_fluid(f, i)) energy += project_fluid(f, i, &near, &front);
-        else project_other(f, i, &near, &front);
+        f->pair_start[i] = pass.front;
+        if (is_fluid(f, i)) energy += project_fluid(&pass, i);
+        else project_other(&pass, i);
+        f->pair_end[i] = pass.front;
     }
     f->partial[block] = energy;
 }
