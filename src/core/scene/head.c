@@ -7,7 +7,6 @@
 #include "projdyn/vec3.h"
 
 #include <math.h>
-#include <string.h>
 
 struct heights {            /* range of heights of a set of points */
     double up[3], gravity;  /* unit vector against gravity; |gravity|, m/s^2 */
@@ -30,8 +29,7 @@ static void add_inlet(struct heights *h, const struct scene_inlet *inlet, double
     double speed = inlet_top_speed(inlet, -INFINITY, INFINITY);
     for (int i = 0; i < inlet->layer.count; i++) {
         double x[3];
-        memcpy(x, inlet->layer.x + 3 * (size_t)i, sizeof x);
-        inlet_place(inlet, time, x);
+        inlet_place(inlet, i, 0.0, time, x);
         add(h, x, radius, speed);
     }
 }

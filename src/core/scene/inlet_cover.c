@@ -38,10 +38,8 @@ struct cover {
 /* The place of particle k of a layer, at a distance, m, in front of the opening. */
 static void place(const struct cover *c, int k, double distance, double rest[3]) {
     const struct scene_inlet *inlet = c->inlet;
-    double x[3];
-    memcpy(x, inlet->layer.x + 3 * (size_t)k, sizeof x);
-    vec3_add(x, c->plane + distance - vec3_dot(x, inlet->direction), inlet->direction);
-    inlet_place(inlet, 0.0, x);
+    double along = vec3_dot(inlet->layer.x + 3 * (size_t)k, inlet->direction), x[3];
+    inlet_place(inlet, k, c->plane + distance - along, 0.0, x);
     pose_to_rest(&c->solid->motion, 0.0, x, rest);
 }
 
@@ -116,8 +114,7 @@ static bool is_near(const struct cover *c) {
 static void count_covered(struct scene_cover *sum, const struct cover *c, int k) {
     if (sum->count++) return;
     sum->solid = c->solid;
-    memcpy(sum->first, c->inlet->layer.x + 3 * (size_t)k, sizeof sum->first);
-    inlet_place(c->inlet, 0.0, sum->first);
+    inlet_place(c->inlet, k, 0.0, 0.0, sum->first);
 }
 
 /* Counts the particles that the solid covers, and leaves them out of the layer if it rests. */

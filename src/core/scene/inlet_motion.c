@@ -63,17 +63,25 @@ double inlet_layers(const struct scene_inlet *inlet, double time, double spacing
 
 /* ---- the pose -------------------------------------------------------------------------------- */
 
-void inlet_place(const struct scene_inlet *inlet, double time, double x[3]) {
+/* Moves a point from its place in the inlet at rest to that at a time. */
+static void move(const struct scene_inlet *inlet, double time, double x[3]) {
     if (!inlet->motion.keys) return;
     vec3_add(x, -1.0, inlet->motion.pivot);
     pose_place(&inlet->motion, x, 1, time, x);
+}
+
+void inlet_place(const struct scene_inlet *inlet, int k, double distance, double time,
+                 double x[3]) {
+    memcpy(x, inlet->layer.x + 3 * (size_t)k, 3 * sizeof *x);
+    vec3_add(x, distance, inlet->direction);
+    move(inlet, time, x);
 }
 
 void inlet_carry(const struct scene_inlet *inlet, double from, double to, double x[3]) {
     double rest[3];
     pose_to_rest(&inlet->motion, from, x, rest);
     vec3_add(rest, way(inlet, from, to), inlet->direction);
-    inlet_place(inlet, to, rest);
+    move(inlet, to, rest);
     memcpy(x, rest, sizeof rest);
 }
 

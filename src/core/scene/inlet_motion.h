@@ -30,8 +30,9 @@ double inlet_layers_beyond(const struct scene_inlet *inlet, double time, double 
 /* Number of layers that have appeared until a time, s. */
 double inlet_layers(const struct scene_inlet *inlet, double time, double spacing);
 
-/* Moves a point x, m, from its place in the inlet at rest to that at a time, s. */
-void inlet_place(const struct scene_inlet *inlet, double time, double x[3]);
+/* The place x, m, of particle k of a layer at a time, s, where the layer is `distance`, m, in front
+ * of the opening. */
+void inlet_place(const struct scene_inlet *inlet, int k, double distance, double time, double x[3]);
 
 /* Moves a point x, m, of a layer from a time to another, s. */
 void inlet_carry(const struct scene_inlet *inlet, double from, double to, double x[3]);

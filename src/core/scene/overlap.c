@@ -4,8 +4,6 @@
 #include "inlet_motion.h"
 #include "poses.h"
 
-#include <string.h>
-
 enum { GRAIN = 1024 }; /* particles per parallel block */
 
 static const double max_overlap = 1e-3; /* share of a body's particles that may overlap when kept */
@@ -189,8 +187,7 @@ static bool contains_inlet(const struct scene_solid *solid, const struct scene_i
     int inside = 0;
     for (int i = 0; i < inlet->layer.count; i++) {
         double x[3];
-        memcpy(x, inlet->layer.x + 3 * (size_t)i, sizeof x);
-        inlet_place(inlet, 0.0, x);
+        inlet_place(inlet, i, 0.0, 0.0, x);
         inside += contains(solid, x);
     }
     return 2 * inside > inlet->layer.count;

@@ -92,18 +92,10 @@ static double layers_due(const struct pdyn_sim *sim, const struct live_inlet *in
     return inlet_layers(inlet->from, sim->time, spacing_of(sim, inlet));
 }
 
-/* The place of particle k of a layer `distance` in front of the opening. */
-static void place(const struct pdyn_sim *sim, const struct live_inlet *inlet, int k,
-                  double distance, double x[3]) {
-    memcpy(x, inlet->from->layer.x + 3 * (size_t)k, 3 * sizeof *x);
-    vec3_add(x, distance, inlet->from->direction);
-    inlet_place(inlet->from, sim->time, x);
-}
-
 /* Sorts the particles of fluids close to a plane `distance` in front of the opening. */
 static void sort_near(struct pdyn_sim *sim, const struct live_inlet *inlet, double distance) {
     double spacing = spacing_of(sim, inlet), origin[3], normal[3];
-    place(sim, inlet, 0, distance, origin);
+    inlet_place(inlet->from, 0, distance, sim->time, origin);
     inlet_direction(inlet->from, sim->time, normal);
     layer_neighbours_sort(sim, origin, normal, (min_gap + INLET_STAGGER) * spacing, spacing);
 }
@@ -119,7 +111,7 @@ static bool is_blocked(struct pdyn_sim *sim, const struct live_inlet *inlet) {
     int count = 0;
     sort_near(sim, inlet, distance);
     for (int k = 0; k < inlet->from->layer.count; k++) {
-        place(sim, inlet, k, distance, x);
+        inlet_place(inlet->from, k, distance, sim->time, x);
         int near = find_near(sim, inlet, x);
         for (int n = 0; n < near; n++) {
             int i = sim->live->scratch[n];
@@ -147,7 +139,7 @@ static void emit_layer(struct pdyn_sim *sim, struct live_inlet *inlet) {
     sort_near(sim, inlet, distance);
     for (int k = 0; k < from->layer.count; k++) {
         double x[3];
-        place(sim, inlet, k, distance, x);
+        inlet_place(inlet->from, k, distance, sim->time, x);
         if (hold_near(sim, inlet, x)) {
             inlet->not_entered++;
             continue;

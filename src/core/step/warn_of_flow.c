@@ -8,8 +8,6 @@
 
 #include "projdyn/vec3.h"
 
-#include <string.h>
-
 /* Share of the particles at the start that outlets may remove at once. */
 static const double max_removed = 0.5;
 /* Share of an inlet's layer that solids may cover. */
@@ -38,8 +36,7 @@ static bool is_in_way(const struct mesh_query *surface, const struct scene_inlet
     double direction[3];
     inlet_direction(inlet, 0.0, direction);
     for (int k = 0; k < inlet->layer.count; k++) {
-        memcpy(x, inlet->layer.x + 3 * (size_t)k, 3 * sizeof *x);
-        inlet_place(inlet, 0.0, x);
+        inlet_place(inlet, k, 0.0, 0.0, x);
         vec3_add(x, -INLET_BEHIND * spacing, direction);
         for (double at = -INLET_BEHIND; at <= INLET_STAGGER; at += part) {
             if (mesh_query_is_close(surface, x, 0.5 * part * spacing)) return true;
