@@ -2,6 +2,7 @@
 #include "parameter_grid.h"
 #include "app.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -4,7 +4,6 @@
 #define PARAMETER_GRID_H
 
 #include <stdbool.h>
-#include <stdio.h>
 
 struct grid_axis {
     char *path; /* path of a scene value, as in --set */

@@ -5,7 +5,6 @@
 #include "strip.h"
 #include "validation.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 static const double length = 1.0, area_density = 0.2, critical = 7.83734744; /* m, kg/m^2 */

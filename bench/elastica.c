@@ -6,7 +6,6 @@
 #include "validation.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* ---- the solution ---------------------------------------------------------------------------- */
 

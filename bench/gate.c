@@ -4,7 +4,6 @@
 #include "coupling.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 static const double gate = 0.079, thickness = 0.005, gate_density = 1100; /* m, m, kg/m^3 */
 static const double width = 0.1, depth = 0.14;                            /* m, of the water */

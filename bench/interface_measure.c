@@ -4,7 +4,6 @@
 #include "projdyn/vec3.h"
 
 #include <math.h>
-#include <string.h>
 
 void sample_add(struct sample *s, double weight, double value) {
     s->n += weight, s->sum += weight * value, s->squares += weight * value * value;

@@ -6,7 +6,6 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
-#include <string.h>
 
 static void put(struct scene *s, const char *format, va_list args) {
     size_t left = sizeof s->text - s->length;

@@ -6,7 +6,6 @@
 #include "projdyn/vec3.h"
 
 #include <math.h>
-#include <string.h>
 
 static const char scene[] =
     "{'duration': 1000, 'gravity': [0, 0, 0], 'time_step': {'integrator': 'euler', 'fixed': "

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* m per step: below this displacement the sheet counts as at rest */
 static const double still = 2e-5;

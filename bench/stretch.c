@@ -3,7 +3,6 @@
 #include "strip.h"
 #include "validation.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

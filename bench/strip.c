@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 int strip_vertex(const struct strip *strip, int i, int j) { return i * (strip->across + 1) + j; }

@@ -2,8 +2,6 @@
 #include "geometry/bvh.h"
 #include "support.h"
 
-#include <string.h>
-
 static struct box random_box(uint64_t *seed, double size) {
     struct box box;
     for (int a = 0; a < 3; a++) {

@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* A sheet of n x n vertices held by two corners. */
 static pdyn_sim *hang(pdyn_context *context, int n) {

@@ -4,8 +4,6 @@
 
 #include "projdyn/module.h"
 
-#include <string.h>
-
 /* Springs to the plane y = 0: `first` and `second`, of which the first one is the stiffer one. */
 struct pair {
     double first, second;

@@ -5,8 +5,6 @@
 
 #include "projdyn/vec3.h"
 
-#include <string.h>
-
 static const struct pair_kind *const kinds[] = {&pair_vertex_face, &pair_edge_edge};
 
 struct four {

@@ -5,8 +5,6 @@
 
 #include "projdyn/vec3.h"
 
-#include <string.h>
-
 #define STEP 0.004 /* s */
 /* Particles without forces, of spacing 0.02 m, 3 x 3 in a layer; the stream is along x. inlet:
  * further keys. */

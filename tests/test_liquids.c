@@ -8,8 +8,6 @@
 #include "projdyn/probe.h"
 #include "projdyn/vec3.h"
 
-#include <string.h>
-
 /* A box of a liquid of a density, with keys of its constraint, each with a comma before it. */
 #define LIQUID(name, radius, density, minimum, maximum, fluid)                                     \
     "{'name': '" name "', 'particles': {'radius': " radius ", 'rest_density': " density            \

@@ -2,8 +2,6 @@
  * state after a step. Argument: the program. */
 #include "support.h"
 
-#include <string.h>
-
 static const char *program;
 
 static void test_hash(void **state) {

@@ -3,8 +3,6 @@
 
 #include "base/registry.h"
 
-#include <string.h>
-
 extern const pdyn_constraint_type pdyn_constraint_fluid;
 
 #define WATER(constraints)                                                                         \

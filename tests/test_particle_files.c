@@ -2,8 +2,6 @@
 #include "output/output.h"
 #include "scene_support.h"
 
-#include <string.h>
-
 #define PLY           "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
 #define PLY_V         "property float vx\nproperty float vy\nproperty float vz\n"
 #define VTK(format)   "# vtk DataFile Version 3.0\na title\n" format "\n"

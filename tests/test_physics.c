@@ -4,7 +4,6 @@
 #include "projdyn/vec3.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define ELASTIC PAIR(SPRINGS("2000"), BENDING("1e-3"))

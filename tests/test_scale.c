@@ -4,8 +4,6 @@
  * rounding. */
 #include "support.h"
 
-#include <string.h>
-
 struct variant {
     double s;      /* scale s */
     double offset; /* offset along x after scaling, m */

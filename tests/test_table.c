@@ -7,8 +7,6 @@
 #include "projdyn/module.h"
 #include "projdyn/vec3.h"
 
-#include <string.h>
-
 /* ---- a type with tables of every kind -------------------------------------------------------- */
 
 struct params {

@@ -3,8 +3,6 @@
 
 #include "../src/solvers/coarse_space.h"
 
-#include <string.h>
-
 /* ---- skyline --------------------------------------------------------------------------------- */
 
 enum { NODES = 40, N = 3 * NODES };

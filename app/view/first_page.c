@@ -5,7 +5,6 @@
 #include "temporary_folder.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 
 /* What the page needs beside the frame: the first particle of each body. */
 static json_t *live_to_json(const pdyn_sim *sim) {

@@ -3,7 +3,6 @@
 #include "first_page.h"
 
 #include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

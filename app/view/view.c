@@ -2,7 +2,6 @@
 #include "live.h"
 #include "server.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
 

@@ -8,8 +8,6 @@
 
 #include "projdyn/vec3.h"
 
-#include <stdio.h>
-
 static const double max_density_error = 0.1; /* mean over the fluid */
 
 static void warn_unsolved(struct pdyn_sim *sim) {
