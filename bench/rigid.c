@@ -7,6 +7,7 @@
  *     rigid floating [SECONDS]   draught of a floating box, and which ratio of its sides is stable
  *     rigid many [SECONDS]       a dam break with 100 bodies and without: time of a run
  */
+#include "../tests/free_top.h"
 #include "bench.h"
 
 #include "projdyn/vec3.h"
@@ -68,35 +69,6 @@ static struct motion motion_of(const pdyn_sim *sim) {
     return sum;
 }
 
-struct top { /* a free body in its principal axes: angular velocity, and the axes in space */
-    double w[3], axes[9];
-};
-
-/* Time derivative: Euler's equations, and axes' = w x axes with w in space. */
-static void top_rate(const struct top *t, const double I[3], struct top *rate) {
-    double spin[3] = {0};
-    for (int a = 0; a < 3; a++) {
-        int b = (a + 1) % 3, c = (a + 2) % 3;
-        rate->w[a] = (I[b] - I[c]) * t->w[b] * t->w[c] / I[a];
-        vec3_add(spin, t->w[a], t->axes + 3 * a);
-    }
-    for (int a = 0; a < 3; a++) vec3_cross(rate->axes + 3 * a, spin, t->axes + 3 * a);
-}
-
-static void top_step(struct top *t, const double I[3], double h) {
-    static const double part[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0, 2.0, 2.0, 1.0};
-    struct top sum = *t, rate = {{0}, {0}};
-    for (int k = 0; k < 4; k++) {
-        struct top at = *t;
-        for (int a = 0; a < 3; a++) at.w[a] += part[k] * h * rate.w[a];
-        for (int a = 0; a < 9; a++) at.axes[a] += part[k] * h * rate.axes[a];
-        top_rate(&at, I, &rate);
-        for (int a = 0; a < 3; a++) sum.w[a] += weight[k] * h / 6.0 * rate.w[a];
-        for (int a = 0; a < 9; a++) sum.axes[a] += weight[k] * h / 6.0 * rate.axes[a];
-    }
-    *t = sum;
-}
-
 /* A half turn of the middle axis: its component along its first direction changes its sign. */
 struct flips {
     double last, time[64];
@@ -116,8 +88,7 @@ static struct flips flips_of_reference(const double w[3], double end) {
     struct top top = {{w[0], w[1], w[2]}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     double I[3], h = 1e-5;
     struct flips flips = {.last = 1.0};
-    for (int a = 0; a < 3; a++)
-        I[a] = box[(a + 1) % 3] * box[(a + 1) % 3] + box[(a + 2) % 3] * box[(a + 2) % 3];
+    top_inertia(box, I);
     for (long n = 0; (double)n * h < end; n++) {
         top_step(&top, I, h);
         add_flip(&flips, top.axes[4], (double)(n + 1) * h, h);

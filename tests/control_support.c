@@ -25,6 +25,18 @@ void take_steps(pdyn_sim *sim, int count) {
     for (int k = 0; k < count; k++) good(pdyn_step(sim, NULL));
 }
 
+int all_points(const void *par, const pdyn_body *body) { return (void)par, body->count; }
+
+void select_point(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) b->column[e] = b->body->first + e, b->coefficient[e] = 1.0;
+}
+
+void put_on_plane(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int k = 3 * first; k < 3 * last; k++) b->p[k] = k % 3 == 1 ? 0.0 : b->u[k];
+}
+
 void continues(pdyn_sim *sim, const char *text) {
     good(pdyn_save(sim, "state"));
     pdyn_sim *other = test_load(context, text);

@@ -3,6 +3,7 @@
 #define TEST_CONTROL_SUPPORT_H
 
 #include "projdyn/control.h"
+#include "projdyn/module.h"
 #include "small_scenes.h"
 #include "support.h"
 
@@ -26,6 +27,11 @@ int control_tear_down(void **state);
 void good(pdyn_status status);
 void refused(pdyn_status status, const char *expected);
 void take_steps(pdyn_sim *sim, int count);
+
+/* Callbacks of a type whose elements are the points of a body, pulled to the plane y = 0. */
+int all_points(const void *par, const pdyn_body *body);
+void select_point(const void *par, const pdyn_batch *b, int first, int last);
+void put_on_plane(const void *par, const pdyn_batch *b, int first, int last);
 
 /* A simulation restored from a state saved now ends with the same bits; text: its scene. */
 void continues(pdyn_sim *sim, const char *text);

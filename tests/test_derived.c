@@ -2,8 +2,6 @@
  * a rule of the type holds for every change. */
 #include "control_support.h"
 
-#include "projdyn/module.h"
-
 /* Springs to the plane y = 0: `first` and `second`, of which the first one is the stiffer one. */
 struct pair {
     double first, second;
@@ -19,20 +17,8 @@ static pdyn_param_fault add(void *par, const pdyn_scene_info *scene) {
     return (pdyn_param_fault){pair->first < pair->second ? "below \"second\"" : NULL, "first"};
 }
 
-static int all_points(const void *par, const pdyn_body *body) { return (void)par, body->count; }
-
-static void select_point(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int e = first; e < last; e++) b->column[e] = b->body->first + e, b->coefficient[e] = 1.0;
-}
-
 static void weigh(const void *par, const pdyn_batch *b, int first, int last) {
     for (int e = first; e < last; e++) b->weight[e] = ((const struct pair *)par)->sum;
-}
-
-static void put_on_plane(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int k = 3 * first; k < 3 * last; k++) b->p[k] = k % 3 == 1 ? 0.0 : b->u[k];
 }
 
 static const pdyn_constraint_type type = {

@@ -2,8 +2,6 @@
  * states, and keys that a scene must not have. */
 #include "control_support.h"
 
-#include "projdyn/module.h"
-
 #include <math.h>
 
 #define EULER                                                                                      \
@@ -81,18 +79,9 @@ static void test_parameter(void **state) {
 struct level {
     pdyn_table stiffness;
 };
-static int all_points(const void *par, const pdyn_body *body) { return (void)par, body->count; }
-static void select_point(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int e = first; e < last; e++) b->column[e] = b->body->first + e, b->coefficient[e] = 1.0;
-}
 static void weigh_point(const void *par, const pdyn_batch *b, int first, int last) {
     const struct level *level = par;
     for (int e = first; e < last; e++) b->weight[e] = level->stiffness.value[e];
-}
-static void put_on_level(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int k = 3 * first; k < 3 * last; k++) b->p[k] = k % 3 == 1 ? 0.0 : b->u[k];
 }
 static const pdyn_constraint_type level = {
     .name = "level",
@@ -108,7 +97,7 @@ static const pdyn_constraint_type level = {
     .width = 1,
     .select = select_point,
     .weight = weigh_point,
-    .project = put_on_level};
+    .project = put_on_plane};
 
 /* The value of the keys is in every row of a table. */
 static void test_table(void **state) {

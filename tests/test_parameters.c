@@ -1,7 +1,6 @@
 /* Parameters of constraints that a program changes, and constraints that it switches off. */
 #include "control_support.h"
 
-#include "projdyn/module.h"
 #include "projdyn/vec3.h"
 
 static const char sheet[] = SHEET;
@@ -169,20 +168,10 @@ static void test_enable(void **state) {
 }
 
 /* A type without parameters: its constraints have nothing but their bodies to tell them apart. */
-static int all_points(const void *par, const pdyn_body *body) { return (void)par, body->count; }
-static void select_point(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int e = first; e < last; e++) b->column[e] = b->body->first + e, b->coefficient[e] = 1.0;
-}
 static void weigh_point(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) b->weight[e] = 1e5;
 }
-static void stop_point(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int k = 3 * first; k < 3 * last; k++) b->p[k] = k % 3 == 1 ? 0.0 : b->u[k];
-}
-
 static void test_enable_without_parameters(void **state) {
     (void)state;
     static const pdyn_param none[] = {{0}};
@@ -195,7 +184,7 @@ static void test_enable_without_parameters(void **state) {
                                                .width = 1,
                                                .select = select_point,
                                                .weight = weigh_point,
-                                               .project = stop_point};
+                                               .project = put_on_plane};
     static const pdyn_constraint_type *const types[] = {&level, NULL};
     static const pdyn_plugin plugin = {PDYN_ABI, "level", types, NULL};
     static const char two[] =

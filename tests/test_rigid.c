@@ -1,5 +1,6 @@
 /* Rigid bodies: conservation in free flight, Euler's equations, a pendulum, water, what a program
  * sets, saved states, and errors. Contact: test_rigid_contact.c. */
+#include "free_top.h"
 #include "rigid_support.h"
 
 #include "projdyn/control.h"
@@ -152,42 +153,13 @@ static void test_ballast(void **state) {
     pdyn_destroy(context);
 }
 
-struct top { /* a free body in its principal axes: angular velocity, and the axes in space */
-    double w[3], axes[9];
-};
-
-static void top_rate(const struct top *t, struct top *rate) {
-    double spin[3] = {0}, I[3];
-    for (int a = 0; a < 3; a++)
-        I[a] = side[(a + 1) % 3] * side[(a + 1) % 3] + side[(a + 2) % 3] * side[(a + 2) % 3];
-    for (int a = 0; a < 3; a++) {
-        int b = (a + 1) % 3, c = (a + 2) % 3;
-        rate->w[a] = (I[b] - I[c]) * t->w[b] * t->w[c] / I[a];
-        vec3_add(spin, t->w[a], t->axes + 3 * a);
-    }
-    for (int a = 0; a < 3; a++) vec3_cross(rate->axes + 3 * a, spin, t->axes + 3 * a);
-}
-
-/* Runge-Kutta of order 4 */
-static void top_step(struct top *t, double h) {
-    static const double part[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0, 2.0, 2.0, 1.0};
-    struct top sum = *t, rate = {{0}, {0}};
-    for (int k = 0; k < 4; k++) {
-        struct top at = *t;
-        for (int a = 0; a < 3; a++) at.w[a] += part[k] * h * rate.w[a];
-        for (int a = 0; a < 9; a++) at.axes[a] += part[k] * h * rate.axes[a];
-        top_rate(&at, &rate);
-        for (int a = 0; a < 3; a++) sum.w[a] += weight[k] * h / 6.0 * rate.w[a];
-        for (int a = 0; a < 9; a++) sum.axes[a] += weight[k] * h / 6.0 * rate.axes[a];
-    }
-    *t = sum;
-}
-
 /* The box spins about its middle axis and turns over after 1.34 s (Dzhanibekov effect). Its momenta
  * stay, its rotation is that of Euler's equations, and its shape stays. */
 static void test_flight(void **state) {
     (void)state;
     static const char *const integrators[] = {"bdf2", "euler"};
+    double I[3];
+    top_inertia(side, I);
     for (int k = 0; k < 2; k++) {
         char text[1024];
         snprintf(text, sizeof text,
@@ -200,7 +172,7 @@ static void test_flight(void **state) {
         struct momenta start = momenta_of(sim);
         struct top top = {{0.02, 10.0, 0.03}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
         steps(context, sim, 400);
-        for (int n = 0; n < 40000; n++) top_step(&top, 5e-5);
+        for (int n = 0; n < 40000; n++) top_step(&top, I, 5e-5);
         struct momenta end = momenta_of(sim);
         assert_true(vec3_distance(start.linear, end.linear) < 1e-12 * vec3_length(start.linear));
         assert_true(vec3_distance(start.angular, end.angular) < 1e-12 * vec3_length(start.angular));
