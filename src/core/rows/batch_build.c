@@ -6,13 +6,12 @@
 /* ---- setting up ------------------------------------------------------------------------------ */
 
 /* Counts rows and entries of every element. */
-static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width) {
+static pdyn_status shape_rows(struct batch *b, int *element_row) {
     const pdyn_constraint_type *t = b->type;
-    pdyn_batch *v = &b->view;
     long rows = 0, entries = 0;
-    for (int e = 0; e < v->elements; e++) {
-        int n = t->rows, width = t->width;
-        if (t->row_sizes) t->row_sizes(b->params, v, e, &n, &width);
+    for (int e = 0; e < b->view.elements; e++) {
+        int n, width;
+        rows_of_element(b, e, &n, &width);
         if (n < 0 || width < 0)
             return rows_fault(b, "element %d has %d rows of %d entries", e, n, width);
         if (t->flags & PDYN_NUMERIC_TANGENT && n > NUMERIC_TANGENT_ROWS)
@@ -27,13 +26,6 @@ static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width
         element_row[e + 1] = (int)rows;
     }
     b->rows = (int)rows, b->entries = (int)entries;
-    *row_width = NEW_ARRAY(b->context, rows, int);
-    if (rows && !*row_width) return PDYN_NO_MEMORY;
-    for (int e = 0; e < v->elements; e++) {
-        int n = t->rows, width = t->width;
-        if (t->row_sizes) t->row_sizes(b->params, v, e, &n, &width);
-        for (int r = element_row[e]; r < element_row[e + 1]; r++) (*row_width)[r] = width;
-    }
     return PDYN_OK;
 }
 
@@ -87,16 +79,15 @@ static pdyn_status index_rows(struct batch *b) {
 
 static pdyn_status create_rows(struct batch *b) {
     pdyn_batch *v = &b->view;
-    int *row_width = NULL, *element_row = NEW_ARRAY(b->context, v->elements + 1, int);
+    int *element_row = NEW_ARRAY(b->context, v->elements + 1, int);
     v->element_row = element_row, b->room.elements = v->elements;
     if (!element_row) return PDYN_NO_MEMORY;
-    pdyn_status status = shape_rows(b, element_row, &row_width);
+    pdyn_status status = shape_rows(b, element_row);
+    if (status != PDYN_OK) return status;
     b->room.rows = b->rows, b->room.entries = b->entries;
     if (v->elements)
         rows_set_grain(b, (double)b->rows / v->elements, (double)b->entries / v->elements);
-    if (status == PDYN_OK && !rows_allocate(b, row_width)) status = context_no_memory(b->context);
-    FREE_ARRAY(b->context, row_width, b->rows);
-    if (status != PDYN_OK) return status;
+    if (!rows_allocate(b)) return context_no_memory(b->context);
     for (int e = 0; e < v->elements && v->key; e++) v->key[e] = (uint64_t)e;
     b->type->select(b->params, v, 0, v->elements);
     /* Where a type has `begin`, its weights may depend on h: they are 0 until the first step. */
@@ -157,12 +148,11 @@ pdyn_status batch_join_rows(struct batch *b) {
 
 /* Whether the elements and their rows are those that the batch has. */
 static bool has_same_rows(const struct batch *b) {
-    const pdyn_constraint_type *t = b->type;
     const pdyn_batch *v = &b->view;
-    if (t->elements(b->params, v->body) != v->elements) return false;
-    for (int e = 0; t->row_sizes && e < v->elements; e++) {
+    if (b->type->elements(b->params, v->body) != v->elements) return false;
+    for (int e = 0; e < v->elements; e++) {
         int rows, width, first = v->element_row[e];
-        t->row_sizes(b->params, v, e, &rows, &width);
+        rows_of_element(b, e, &rows, &width);
         if (rows != v->element_row[e + 1] - first) return false;
         if (rows && width != v->row_entry[first + 1] - v->row_entry[first]) return false;
     }

@@ -35,7 +35,7 @@ static pdyn_status make_room(struct batch *b, int elements) {
     b->room.entries = b->room.rows * b->width;
     b->view.element_row = element_row = NEW_ARRAY(b->context, elements + 1, int);
     for (int e = 0; element_row && e < elements; e++) element_row[e + 1] = (e + 1) * rows;
-    if (element_row && rows_allocate(b, NULL)) return PDYN_OK;
+    if (element_row && rows_allocate(b)) return PDYN_OK;
     rows_free(b);
     memset(&b->room, 0, sizeof b->room);
     b->view.elements = b->rows = b->entries = 0;

@@ -109,11 +109,19 @@ void rows_set_grain(struct batch *b, double rows, double entries) {
     b->grain = (int)fmax(64.0, 4096.0 / fmax(2.0, rows * entries));
 }
 
-bool rows_allocate(struct batch *b, const int *row_width) {
+void rows_of_element(const struct batch *b, int e, int *rows, int *width) {
+    *rows = b->type->rows, *width = b->type->width;
+    if (b->type->row_sizes) b->type->row_sizes(b->params, &b->view, e, rows, width);
+}
+
+bool rows_allocate(struct batch *b) {
     if (!resize_arrays(b, ARRAYS_ALLOCATE)) return false;
-    int *row_entry = (int *)b->view.row_entry;
-    for (int r = 0; r < b->room.rows; r++)
-        row_entry[r + 1] = row_entry[r] + (row_width ? row_width[r] : b->width);
+    int *row_entry = (int *)b->view.row_entry, rows, width;
+    for (int e = 0; e < b->room.elements; e++) {
+        rows_of_element(b, e, &rows, &width);
+        for (int r = b->view.element_row[e]; r < b->view.element_row[e + 1]; r++)
+            row_entry[r + 1] = row_entry[r] + width;
+    }
     number_rows(b);
     return true;
 }

@@ -24,9 +24,12 @@ void rows_weigh(struct batch *batch, int first, int last);
  * microseconds: a tetrahedron costs as much as twenty springs. */
 void rows_set_grain(struct batch *batch, double rows, double entries);
 
+/* The number of rows of an element, and of entries of each. */
+void rows_of_element(const struct batch *batch, int e, int *rows, int *width);
+
 /* All arrays but element_row, which is there, with room for batch->room elements, rows and entries.
- * row_width: rows; NULL: all rows have batch->width entries. */
-bool rows_allocate(struct batch *batch, const int *row_width);
+ */
+bool rows_allocate(struct batch *batch);
 void rows_free(struct batch *batch);
 
 /* The transpose of G: for every particle the entries that select it. */
