@@ -4,6 +4,11 @@
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
+/* Resizes an array: block NULL allocates, count 0 frees. Returns NULL without memory. */
+static void *resize(struct fluid *f, void *block, size_t old_count, size_t count, size_t size) {
+    return f->services->allocate(f->services->core, block, old_count * size, count * size);
+}
+
 /* Allocates or frees all arrays whose length follows from the number of particles or points. */
 static bool resize_particles(struct fluid *f, bool allocate) {
     size_t particles = (size_t)f->particles, points = (size_t)f->points;
@@ -36,7 +41,7 @@ static bool resize_particles(struct fluid *f, bool allocate) {
         size_t count = all[k].count;
         void *array; /* memcpy: the pointers have different types */
         memcpy(&array, all[k].pointer, sizeof array);
-        array = fluid_resize(f, array, allocate ? 0 : count, allocate ? count : 0, all[k].size);
+        array = resize(f, array, allocate ? 0 : count, allocate ? count : 0, all[k].size);
         memcpy(all[k].pointer, &array, sizeof array);
         good &= array != NULL;
     }
@@ -44,8 +49,8 @@ static bool resize_particles(struct fluid *f, bool allocate) {
 }
 
 static void release_pairs(struct fluid *f) {
-    if (f->pair_index) f->pair_index = fluid_resize(f, f->pair_index, f->pairs, 0, sizeof(int));
-    if (f->pair) f->pair = fluid_resize(f, f->pair, 4 * f->pairs, 0, sizeof(float));
+    if (f->pair_index) f->pair_index = resize(f, f->pair_index, f->pairs, 0, sizeof(int));
+    if (f->pair) f->pair = resize(f, f->pair, 4 * f->pairs, 0, sizeof(float));
     f->pairs = 0;
 }
 
@@ -53,7 +58,7 @@ static void release(void *self) {
     struct fluid *f = self;
     release_pairs(f);
     resize_particles(f, false);
-    fluid_resize(f, f, 1, 0, sizeof *f);
+    resize(f, f, 1, 0, sizeof *f);
 }
 
 static void *create(const void *par, const pdyn_body *body, const pdyn_services *services) {
@@ -139,8 +144,8 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
     if (pairs <= f->pairs) return true;
     release_pairs(f);
     f->pairs = pairs + pairs / 4; /* spare room: later steps seldom allocate */
-    f->pair_index = fluid_resize(f, NULL, 0, f->pairs, sizeof(int));
-    f->pair = fluid_resize(f, NULL, 0, 4 * f->pairs, sizeof(float));
+    f->pair_index = resize(f, NULL, 0, f->pairs, sizeof(int));
+    f->pair = resize(f, NULL, 0, 4 * f->pairs, sizeof(float));
     if (f->pair_index && f->pair) return true;
     release_pairs(f);
     return false;

@@ -64,12 +64,6 @@ struct fluid_call { /* arguments of a parallel loop */
     const bool *which;
 };
 
-/* Resizes an array: block NULL allocates, count 0 frees. Returns NULL without memory. */
-static inline void *fluid_resize(struct fluid *f, void *block, size_t old_count, size_t count,
-                                 size_t size) {
-    return f->services->allocate(f->services->core, block, old_count * size, count * size);
-}
-
 static inline double fluid_stiffness_at(const struct fluid *f, double squares) {
     return fluid_energy_stiffness(f->lists->kernel, f->params.stiffness, squares, f->spacing);
 }

@@ -25,14 +25,11 @@ static void init_vacant(struct pdyn_sim *sim, int b) {
 }
 
 static void reset_particle(struct pdyn_sim *sim, int i) {
+    double *const vectors[] = {sim->x,        sim->v,        sim->constraint_acceleration,
+                               sim->x_before, sim->v_before, sim->control.force};
     sim->pressure[i] = 0.0;
-    memset(sim->x + 3 * i, 0, 3 * sizeof *sim->x);
-    memset(sim->v + 3 * i, 0, 3 * sizeof *sim->v);
-    memset(sim->constraint_acceleration + 3 * i, 0, 3 * sizeof *sim->constraint_acceleration);
-    if (sim->control.force) memset(sim->control.force + 3 * i, 0, 3 * sizeof *sim->control.force);
-    if (!sim->x_before) return;
-    memset(sim->x_before + 3 * i, 0, 3 * sizeof *sim->x_before);
-    memset(sim->v_before + 3 * i, 0, 3 * sizeof *sim->v_before);
+    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
+        if (vectors[k]) memset(vectors[k] + 3 * (size_t)i, 0, 3 * sizeof *vectors[k]);
 }
 
 static void remove_particle(struct pdyn_sim *sim, int b, int i) {
