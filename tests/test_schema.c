@@ -1,5 +1,6 @@
 /* Names: suggestions for near misses, descriptions, and the JSON schema against the parameter
  * tables. */
+#include "base/param_kind.h"
 #include "base/registry.h"
 #include "base/text.h"
 #include "scene/fingerprint.h"

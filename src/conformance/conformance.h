@@ -4,6 +4,7 @@
 #ifndef PDYN_CONFORMANCE_H
 #define PDYN_CONFORMANCE_H
 
+#include "base/param_kind.h"
 #include "base/registry.h"
 #include "projdyn/conformance.h"
 #include "step/sim.h"

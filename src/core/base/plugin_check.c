@@ -1,4 +1,5 @@
 /* Checks of the tables of a plug-in before any of its code runs: names, parameters, callbacks. */
+#include "param_kind.h"
 #include "registry.h"
 
 #include <math.h>
@@ -49,7 +50,7 @@ static const char *table_fault(const pdyn_constraint_type *type, const pdyn_para
     if (param_rows(p, 1, 1, 0) && !mesh) return "it needs PDYN_ON_SURFACE or PDYN_ON_VOLUME";
     if (param_vertices(p) && !mesh) return "vertices need PDYN_ON_SURFACE or PDYN_ON_VOLUME";
     if (param_vertices(p) > param_width(p)) return "its rows have more vertices than numbers";
-    if (param_vertices(p) && params_has_default(p)) return "vertices have no default";
+    if (param_vertices(p) && param_has_default(p)) return "vertices have no default";
     return NULL;
 }
 
@@ -103,7 +104,7 @@ static const char *alternatives_fault(const pdyn_constraint_type *type) {
     for (const char *const *name = type->alternatives; name && *name; name++) {
         const pdyn_param *p = find_param(type, *name);
         if (!p || p->required) return "an alternative is not a parameter, or a required one";
-        defaults += params_has_default(p);
+        defaults += param_has_default(p);
     }
     return defaults > 1 ? "more than one alternative has a default" : NULL;
 }

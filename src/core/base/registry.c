@@ -125,13 +125,3 @@ pdyn_status pdyn_register(pdyn_context *context, const pdyn_plugin *plugin) {
     if (status == PDYN_OK) context->plugin[context->plugins++] = plugin;
     return status;
 }
-
-/* ---- parameters ------------------------------------------------------------------------------ */
-
-bool param_is_changeable(const pdyn_constraint_type *type, const pdyn_param *param) {
-    if (param->kind == PDYN_PATH) return !type->matrix_free;
-    if (!param_numbers(param)) return false;
-    for (const char *const *a = type->alternatives; a && *a; a++)
-        if (!strcmp(*a, param->name)) return false;
-    return !type->matrix_free || type->matrix_free->set_params;
-}

@@ -5,8 +5,6 @@
 #include "context.h"
 #include "projdyn/module.h"
 
-#include <math.h>
-
 /* Largest number of doubles in the data of an element of a constraint with damping. */
 enum { DAMPED_DATA_MAX = 512 };
 
@@ -40,60 +38,5 @@ extern const char *const registry_common_keys[];
  * what is wrong. */
 pdyn_status table_check_constraint(const pdyn_constraint_type *type);
 pdyn_status table_check_solver(const pdyn_global_solver *type);
-
-/* The parameters of a scene's root, "solver" and "time_step" (tables in settings.c, offsets into
- * struct scene_settings), each ending with a NULL name. */
-extern const pdyn_param settings_solver_params[], settings_time_step_params[],
-    settings_general_params[];
-
-/* A table (PDYN_TABLE): what its rows belong to, and the numbers in each row. */
-static inline bool param_is_table(const pdyn_param *param) { return param->kind >= PDYN_ROWS; }
-static inline int param_width(const pdyn_param *param) { return (int)(param->kind & 0xFF); }
-
-/* The first numbers of a row that are vertices (PDYN_VERTEX_TABLE). */
-static inline int param_vertices(const pdyn_param *param) {
-    return param_is_table(param) ? (int)(param->kind / PDYN_VERTEX_COLUMN) : 0;
-}
-
-/* The path that a parameter is in a struct of parameters; NULL: it is none. */
-static inline const pdyn_path *param_path(const pdyn_param *param, const void *params) {
-    return param->kind == PDYN_PATH ? (const pdyn_path *)((const char *)params + param->offset)
-                                    : NULL;
-}
-
-/* The same of the name of another body. */
-static inline const pdyn_other *param_other(const pdyn_param *param, const void *params) {
-    return param->kind == PDYN_OTHER ? (const pdyn_other *)((const char *)params + param->offset)
-                                     : NULL;
-}
-
-/* The rows of a table on a body of so many vertices, triangles and tetrahedra; 0: any number. */
-static inline int param_rows(const pdyn_param *param, int vertices, int triangles, int tets) {
-    unsigned per = param->kind & 0xFF00u;
-    return per == PDYN_PER_VERTEX     ? vertices
-           : per == PDYN_PER_TRIANGLE ? triangles
-           : per == PDYN_PER_TET      ? tets
-                                      : 0;
-}
-
-/* The numbers that a parameter of numbers has, in each row of a table; 0: another kind. */
-static inline int param_numbers(const pdyn_param *param) {
-    if (param_is_table(param)) return param_width(param);
-    return param->kind == PDYN_REAL ? 1 : param->kind == PDYN_VECTOR ? 3 : 0;
-}
-
-/* Whether a parameter of a constraint can change while a simulation runs. */
-bool param_is_changeable(const pdyn_constraint_type *type, const pdyn_param *param);
-
-/* Whether a table may contain this number. */
-static inline bool param_allows(const pdyn_param *param, double value) {
-    return isfinite(value) && value >= param->min && value <= param->max;
-}
-
-/* Whether a parameter has a default. A default outside the bounds means: absent unless given. */
-static inline bool params_has_default(const pdyn_param *param) {
-    return !param->required && (param->kind <= PDYN_VECTOR || param_is_table(param)) &&
-           param->def >= param->min && param->def <= param->max;
-}
 
 #endif

@@ -1,7 +1,7 @@
 /* Springs between two bodies, as those of `attachment`, for pictures: each from a vertex to a point
  * of a triangle of another body. */
 #include "base/body.h"
-#include "base/registry.h"
+#include "base/param_kind.h"
 #include "output.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
  * the batch grow with the elements and never shrink, so that a warmed-up step allocates nothing. */
 #include "row_arrays.h"
 
-#include "base/registry.h"
+#include "base/param_kind.h"
 
 #include <math.h>
 #include <string.h>

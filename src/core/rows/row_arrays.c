@@ -3,7 +3,7 @@
 #include "row_arrays.h"
 
 #include "base/body.h"
-#include "base/registry.h"
+#include "base/param_kind.h"
 
 #include <math.h>
 #include <stdio.h>

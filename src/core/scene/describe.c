@@ -63,7 +63,7 @@ static void table(const struct sink *to, const pdyn_param *params) {
     for (const pdyn_param *p = params; p->name; p++) {
         char def[64] = "", value[128] = "";
         if (p->required) text_append(def, sizeof def, "required");
-        else if (!params_has_default(p)) text_append(def, sizeof def, "none");
+        else if (!param_has_default(p)) text_append(def, sizeof def, "none");
         else if (p->kind == PDYN_BOOL)
             text_append(def, sizeof def, p->def != 0.0 ? "true" : "false");
         else text_append(def, sizeof def, "%.6g", p->def);

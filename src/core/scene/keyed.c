@@ -1,6 +1,6 @@
 #include "keyed.h"
 
-#include "base/registry.h"
+#include "base/param_kind.h"
 #include "motion.h"
 #include "params.h"
 

@@ -3,7 +3,7 @@
 #ifndef PDYN_PARAMS_H
 #define PDYN_PARAMS_H
 
-#include "base/registry.h"
+#include "base/param_kind.h"
 #include "json_file.h"
 #include "scene.h"
 

@@ -199,6 +199,10 @@ struct scene_settings { /* "time_step", "solver" and general values of a scene *
     char solver_type[32];    /* "auto" or the name of a registered solver */
 };
 
+/* The values of the scene itself, of "time_step" and of "solver"; each ends with a NULL name. */
+extern const pdyn_param settings_general_params[], settings_time_step_params[],
+    settings_solver_params[];
+
 struct scene {
     char *file;                         /* as given by the user, for messages and the report */
     char *name;                         /* "name" of the scene; may be empty */

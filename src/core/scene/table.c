@@ -53,7 +53,8 @@ void table_describe(const pdyn_param *param, int rows, const char *lines, char *
 
 bool table_allows(const pdyn_param *param, const double *row, int column, double value,
                   int vertices) {
-    if (column >= param_vertices(param)) return param_allows(param, value);
+    if (column >= param_vertices(param))
+        return isfinite(value) && value >= param->min && value <= param->max;
     for (int k = 0; k < column; k++)
         if (row[k] == value) return false;
     return value >= 0.0 && value < vertices && value == floor(value);
@@ -158,7 +159,7 @@ pdyn_status table_read(const struct json_at *at, const pdyn_param *param,
     int vertices = body->mesh.vertices;
     int rows = param_rows(param, body->mesh.vertices, body->mesh.triangles, body->tets.count);
     if (!at->value && !param->required)
-        return params_has_default(param) ? read_one(at, param, rows, vertices, out) : PDYN_OK;
+        return param_has_default(param) ? read_one(at, param, rows, vertices, out) : PDYN_OK;
     if (json_is_string(at->value)) return read_file(at, param, rows, vertices, out);
     return is_row(at->value, param_width(param)) ? read_one(at, param, rows, vertices, out)
                                                  : read_rows(at, param, rows, vertices, out);

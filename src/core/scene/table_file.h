@@ -3,7 +3,7 @@
 #ifndef PDYN_TABLE_FILE_H
 #define PDYN_TABLE_FILE_H
 
-#include "base/registry.h"
+#include "base/param_kind.h"
 
 /* Reads the file at `path`. rows: the number that it must have; 0: any, at least one. vertices: of
  * the body. The caller frees the table (table.h), after a failure, too. PDYN_BAD_INPUT: the error

@@ -1,6 +1,6 @@
 /* Bodies of a simulation, from those of its scene: their particles, one body after the other, with
  * masses and the state at the start. */
-#include "base/registry.h"
+#include "base/param_kind.h"
 #include "build.h"
 #include "scene/derived.h"
 #include "sim.h"

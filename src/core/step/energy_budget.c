@@ -1,6 +1,6 @@
 #include "energy_budget.h"
 
-#include "base/registry.h"
+#include "base/param_kind.h"
 #include "live_particles.h"
 #include "measure.h"
 #include "scene/inlet_motion.h"

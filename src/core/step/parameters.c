@@ -257,7 +257,7 @@ bool pdyn_is_enabled(const pdyn_sim *sim, int constraint) {
 
 /* Whether this is the value of a parameter that the scene leaves out, outside of its bounds. */
 static bool is_absent(const pdyn_param *p, const double *value, int count) {
-    bool absent = !p->required && !params_has_default(p);
+    bool absent = !p->required && !param_has_default(p);
     for (int k = 0; k < count; k++) absent = absent && !memcmp(&value[k], &p->def, sizeof p->def);
     return absent;
 }
@@ -284,7 +284,7 @@ static bool persist_table(const struct batch *b, const pdyn_param *p, pdyn_table
     int count = field->count, rows = rows_of(b, p), width = param_width(p);
     size_t row = (size_t)width * sizeof(double);
     snapshot_file_count(file, &count, row, "the number of rows is out of range");
-    bool absent = !count && !p->required && !params_has_default(p);
+    bool absent = !count && !p->required && !param_has_default(p);
     snapshot_file_require(file, absent || (rows ? count == rows : count > 0),
                           "a table has other rows");
     if (file->status != PDYN_OK) return false;

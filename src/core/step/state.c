@@ -1,5 +1,5 @@
 /* Public functions that read the state of a simulation. */
-#include "base/registry.h"
+#include "base/param_kind.h"
 #include "base/sized.h"
 #include "base/snapshot_file.h"
 #include "live_particles.h"
@@ -77,7 +77,7 @@ static pdyn_constraint_info get_constraint(const pdyn_sim *sim, int constraint) 
     return (pdyn_constraint_info){b->type->name, b->view.body->name, b->view.elements, b->energy};
 }
 
-/* A value outside of its bounds means: none (params_has_default). */
+/* A value outside of its bounds means: none (param_has_default). */
 static bool has_value(const pdyn_param *p, const double *value) {
     return p->kind == PDYN_REAL && *value >= p->min && *value <= p->max;
 }

@@ -1,5 +1,5 @@
 /* Warnings about inlets and outlets, and about what would begin after the end of the scene. */
-#include "base/registry.h"
+#include "base/param_kind.h"
 #include "geometry/mesh_query.h"
 #include "live_particles.h"
 #include "scene/inlet_motion.h"

@@ -1,5 +1,5 @@
 /* Warnings about values outside of the range that occurs in practice: slips of units and signs. */
-#include "base/registry.h"
+#include "base/param_kind.h"
 #include "extent.h"
 #include "sim.h"
 #include "warn.h"

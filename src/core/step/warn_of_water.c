@@ -1,5 +1,5 @@
 /* Warnings about surfaces in a fluid: meshes that it does not see well, bodies that do not sink. */
-#include "base/registry.h"
+#include "base/param_kind.h"
 #include "extent.h"
 #include "geometry/bvh.h"
 #include "live_particles.h"
