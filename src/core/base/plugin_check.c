@@ -156,7 +156,7 @@ static const char *constraint_fault(const pdyn_constraint_type *t) {
     return t->matrix_free ? operator_fault(t->matrix_free) : NULL;
 }
 
-pdyn_status table_check_constraint(const pdyn_constraint_type *type) {
+pdyn_status plugin_check_constraint(const pdyn_constraint_type *type) {
     pdyn_status status = check_names(type->name, type->summary);
     if (status == PDYN_OK) status = check_params(type);
     if (status != PDYN_OK) return status;
@@ -164,7 +164,7 @@ pdyn_status table_check_constraint(const pdyn_constraint_type *type) {
     return fault ? fail(type->name, fault) : PDYN_OK;
 }
 
-pdyn_status table_check_solver(const pdyn_global_solver *type) {
+pdyn_status plugin_check_solver(const pdyn_global_solver *type) {
     pdyn_status status = check_names(type->name, type->summary);
     if (status != PDYN_OK) return status;
     if (!type->create || !type->solve || !type->free)

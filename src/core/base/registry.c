@@ -95,11 +95,11 @@ static pdyn_status check_types(pdyn_context *context, const pdyn_plugin *plugin)
     const pdyn_global_solver *const *s = plugin->solvers;
     int before = 0;
     for (; c && *c && status == PDYN_OK; c++, before++) {
-        status = table_check_constraint(*c);
+        status = plugin_check_constraint(*c);
         if (status == PDYN_OK) status = check_name(context, plugin, (*c)->name, before);
     }
     for (; s && *s && status == PDYN_OK; s++, before++) {
-        status = table_check_solver(*s);
+        status = plugin_check_solver(*s);
         if (status == PDYN_OK) status = check_name(context, plugin, (*s)->name, before);
     }
     if (status != PDYN_OK || before) return status;

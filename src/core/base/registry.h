@@ -36,7 +36,7 @@ extern const char *const registry_common_keys[];
 
 /* Checks that the table of a type is complete and consistent. PDYN_BAD_INPUT: the error text says
  * what is wrong. */
-pdyn_status table_check_constraint(const pdyn_constraint_type *type);
-pdyn_status table_check_solver(const pdyn_global_solver *type);
+pdyn_status plugin_check_constraint(const pdyn_constraint_type *type);
+pdyn_status plugin_check_solver(const pdyn_global_solver *type);
 
 #endif

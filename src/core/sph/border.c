@@ -2,6 +2,7 @@
 
 #include "geometry/bvh.h"
 #include "geometry/distance.h"
+#include "geometry/mesh_query.h"
 
 #include "projdyn/vec3.h"
 
@@ -12,15 +13,12 @@
 
 struct listing {
     struct border *border;
-    int bodies;
-    const pdyn_body *body;
-    const double *rest;
-    int walls;
-    const struct border_wall *wall;
-    struct box *box; /* of each triangle at rest */
-    struct bvh tree; /* of these boxes */
-    int first, last; /* triangles of the current body: first to before last */
-    int end[2];      /* of the current side */
+    const struct border_def *def;
+    struct mesh_query *wall; /* of each wall */
+    struct box *box;         /* of each triangle at rest */
+    struct bvh tree;         /* of these boxes */
+    int first, last;         /* triangles of the current body: first to before last */
+    int end[2];              /* of the current side */
 };
 
 static void count_side(void *user, int triangle) {
@@ -38,11 +36,12 @@ static void add_side(void *user, int triangle) {
 
 /* The place beyond the middle of side k of body b, in the plane of its triangle. */
 static void place_beyond(const struct listing *l, int b, int k, double distance, double place[3]) {
-    const pdyn_body *body = &l->body[b];
+    const pdyn_body *body = &l->def->body[b];
     const double *x[3];
     double side[3], out[3];
     for (int m = 0; m < 3; m++) /* the ends of the side, the corner opposite to it */
-        x[m] = l->rest + 3 * (size_t)(body->first + body->triangle[k / 3 * 3 + (k + 1 + m) % 3]);
+        x[m] =
+            l->def->rest + 3 * (size_t)(body->first + body->triangle[k / 3 * 3 + (k + 1 + m) % 3]);
     vec3_subtract(side, x[1], x[0]);
     for (int a = 0; a < 3; a++) place[a] = 0.5 * (x[0][a] + x[1][a]), out[a] = place[a] - x[2][a];
     vec3_add(out, -vec3_dot(out, side) / vec3_dot(side, side), side);
@@ -52,21 +51,21 @@ static void place_beyond(const struct listing *l, int b, int k, double distance,
 static bool is_closed(const struct listing *l, int b, int k) {
     double distance = 0.5 * l->border->width, place[3];
     place_beyond(l, b, k, distance, place);
-    for (int w = 0; w < l->walls; w++)
-        if (l->wall[w].body != b &&
-            mesh_query_is_close(&l->wall[w].query, place, distance * (1.0 + 1e-6)))
+    for (int w = 0; w < l->def->walls; w++)
+        if (l->def->wall[w].body != b &&
+            mesh_query_is_close(&l->wall[w], place, distance * (1.0 + 1e-6)))
             return true;
     return false;
 }
 
 /* Side k of body b lies on its border: visits the triangles near it. */
 static void visit_side(struct listing *l, int b, int k, void (*visit)(void *user, int triangle)) {
-    const pdyn_body *body = &l->body[b];
+    const pdyn_body *body = &l->def->body[b];
     const int *corner = body->triangle + k / 3 * 3;
     struct box box = box_empty;
     for (int m = 0; m < 2; m++) {
         l->end[m] = body->first + corner[(k + 1 + m) % 3];
-        box_add(&box, l->rest + 3 * (size_t)l->end[m]);
+        box_add(&box, l->def->rest + 3 * (size_t)l->end[m]);
     }
     box_grow(&box, l->border->width);
     bvh_visit(&l->tree, &box, 0, visit, l);
@@ -74,8 +73,8 @@ static void visit_side(struct listing *l, int b, int k, void (*visit)(void *user
 
 static void visit_sides(struct listing *l, void (*visit)(void *user, int triangle)) {
     l->last = 0;
-    for (int b = 0; b < l->bodies; b++) {
-        const pdyn_body *body = &l->body[b];
+    for (int b = 0; b < l->def->bodies; b++) {
+        const pdyn_body *body = &l->def->body[b];
         l->first = l->last, l->last += hiding_triangles(body);
         for (int k = 0; k < 3 * hiding_triangles(body); k++)
             if (body->across[k] < 0 && !is_closed(l, b, k)) visit_side(l, b, k, visit);
@@ -84,12 +83,12 @@ static void visit_sides(struct listing *l, void (*visit)(void *user, int triangl
 
 static void build_tree(struct listing *l) {
     int count = 0;
-    for (int b = 0; b < l->bodies; b++) {
-        const pdyn_body *body = &l->body[b];
+    for (int b = 0; b < l->def->bodies; b++) {
+        const pdyn_body *body = &l->def->body[b];
         for (int k = 0; k < 3 * hiding_triangles(body); k++) {
             struct box *box = &l->box[count + k / 3];
             if (k % 3 == 0) *box = box_empty;
-            box_add(box, l->rest + 3 * (size_t)(body->first + body->triangle[k]));
+            box_add(box, l->def->rest + 3 * (size_t)(body->first + body->triangle[k]));
         }
         count += hiding_triangles(body);
     }
@@ -111,21 +110,46 @@ static pdyn_status list_sides(struct listing *l) {
     return PDYN_OK;
 }
 
-pdyn_status border_create(pdyn_context *context, int bodies, const pdyn_body *body,
-                          const double *rest, int walls, const struct border_wall *wall,
-                          double width, struct border *out) {
-    struct listing l = {
-        .border = out, .bodies = bodies, .body = body, .rest = rest, .walls = walls, .wall = wall};
-    out->context = context, out->width = width;
-    for (int b = 0; b < bodies; b++) out->triangles += hiding_triangles(&body[b]);
-    if (!out->triangles || width == 0.0) return PDYN_OK;
+static pdyn_status prepare(struct listing *l) {
+    pdyn_context *c = l->border->context;
+    l->box = NEW_ARRAY(c, l->border->triangles, struct box);
+    l->wall = NEW_ARRAY(c, l->def->walls, struct mesh_query);
+    if (!l->box || (!l->wall && l->def->walls)) return PDYN_NO_MEMORY;
+    pdyn_status status = bvh_create(c, l->border->triangles, &l->tree);
+    for (int w = 0; w < l->def->walls && status == PDYN_OK; w++)
+        status = mesh_query_create(c, l->def->wall[w].mesh, &l->wall[w]);
+    return status;
+}
+
+static void release(struct listing *l) {
+    pdyn_context *c = l->border->context;
+    for (int w = 0; l->wall && w < l->def->walls; w++) mesh_query_free(c, &l->wall[w]);
+    bvh_free(c, &l->tree);
+    FREE_ARRAY(c, l->wall, l->def->walls);
+    FREE_ARRAY(c, l->box, l->border->triangles);
+}
+
+static bool has_border(const pdyn_body *body) {
+    for (int k = 0; k < 3 * hiding_triangles(body); k++)
+        if (body->across[k] < 0) return true;
+    return false;
+}
+
+pdyn_status border_create(pdyn_context *context, const struct border_def *def, struct border *out) {
+    struct listing l = {.border = out, .def = def};
+    bool any = false;
+    out->context = context, out->width = def->width;
+    for (int b = 0; b < def->bodies; b++) {
+        out->triangles += hiding_triangles(&def->body[b]);
+        any |= has_border(&def->body[b]);
+    }
+    if (!out->triangles || def->width == 0.0) return PDYN_OK;
     out->start = NEW_ARRAY(context, out->triangles + 1, int);
-    l.box = NEW_ARRAY(context, out->triangles, struct box);
-    pdyn_status status =
-        out->start && l.box ? bvh_create(context, out->triangles, &l.tree) : PDYN_NO_MEMORY;
+    if (!out->start) return PDYN_NO_MEMORY;
+    if (!any) return PDYN_OK;
+    pdyn_status status = prepare(&l);
     if (status == PDYN_OK) status = list_sides(&l);
-    bvh_free(context, &l.tree);
-    FREE_ARRAY(context, l.box, out->triangles);
+    release(&l);
     return status;
 }
 

@@ -4,7 +4,7 @@
 #define PDYN_BORDER_H
 
 #include "base/context.h"
-#include "geometry/mesh_query.h"
+#include "geometry/mesh.h"
 #include "projdyn/module.h"
 
 struct border {
@@ -21,17 +21,24 @@ static inline int hiding_triangles(const pdyn_body *body) {
     return body->permeability > 0.0 ? 0 : body->triangles;
 }
 
-struct border_wall { /* a surface that nothing goes around */
-    struct mesh_query query;
+struct border_wall { /* a surface that nothing goes around, as it starts */
+    const struct mesh *mesh;
     int body; /* index; -1: a solid */
+};
+
+struct border_def { /* what borders are made from */
+    int bodies;
+    const pdyn_body *body;
+    const double *rest; /* of the system, m */
+    int walls;
+    const struct border_wall *wall;
+    double width; /* of the strip, m */
 };
 
 /* Lists, for each triangle, the sides of its body's border whose strip it meets at rest, but for
  * the sides that a wall closes: one that is within half of the strip's width of a place as far
- * beyond the middle of the side. rest: of the system, m; width: of the strip, m. *out must be 0. */
-pdyn_status border_create(pdyn_context *context, int bodies, const pdyn_body *body,
-                          const double *rest, int walls, const struct border_wall *wall,
-                          double width, struct border *out);
+ * beyond the middle of the side. *out must be 0; after a failure it is to be freed, too. */
+pdyn_status border_create(pdyn_context *context, const struct border_def *def, struct border *out);
 void border_free(struct border *border);
 
 /* Whether the triangle has sides in its list. */

@@ -1,7 +1,6 @@
 /* Neighbour lists of a simulation, in a scene with a constraint that works on them: the points of
  * SPH sums are particles, samples on surfaces and boundary points on solids. */
 #include "build.h"
-#include "geometry/mesh_query.h"
 #include "live_particles.h"
 #include "sim.h"
 #include "solid_points.h"
@@ -71,39 +70,19 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
     return status;
 }
 
-/* The surfaces of solids and of bodies that hide, as they start. */
-static pdyn_status make_walls(const struct pdyn_sim *sim, struct border_wall *wall) {
-    pdyn_status status = PDYN_OK;
-    for (int k = 0; k < sim->scene.solids && status == PDYN_OK; k++, wall++) {
-        wall->body = -1;
-        status = mesh_query_create(sim->context, &sim->scene.solid[k].mesh, &wall->query);
-    }
-    for (int b = 0; b < sim->bodies && status == PDYN_OK; b++, wall++) {
-        wall->body = b;
-        if (hiding_triangles(&sim->body[b]))
-            status = mesh_query_create(sim->context, &sim->scene.body[b].mesh, &wall->query);
-    }
-    return status;
-}
-
-static bool has_border(const pdyn_body *body) {
-    for (int k = 0; k < 3 * hiding_triangles(body); k++)
-        if (body->across[k] < 0) return true;
-    return false;
-}
-
+/* Nothing goes around solids, and bodies that hide. */
 static pdyn_status create_border(struct pdyn_sim *sim, double width) {
-    int walls = 0;
-    for (int b = 0; b < sim->bodies && width > 0.0 && !walls; b++)
-        if (has_border(&sim->body[b])) walls = sim->scene.solids + sim->bodies;
-    struct border_wall *wall = NEW_ARRAY(sim->context, walls, struct border_wall);
-    pdyn_status status = wall || !walls ? PDYN_OK : PDYN_NO_MEMORY;
-    if (status == PDYN_OK && walls) status = make_walls(sim, wall);
-    if (status == PDYN_OK)
-        status = border_create(sim->context, sim->bodies, sim->body, sim->rest, walls, wall, width,
-                               &sim->border);
-    for (int k = 0; wall && k < walls; k++) mesh_query_free(sim->context, &wall[k].query);
-    FREE_ARRAY(sim->context, wall, walls);
+    int capacity = sim->scene.solids + sim->bodies, walls = 0;
+    struct border_wall *wall = NEW_ARRAY(sim->context, capacity, struct border_wall);
+    if (!wall) return PDYN_NO_MEMORY;
+    for (int s = 0; s < sim->scene.solids; s++)
+        wall[walls++] = (struct border_wall){&sim->scene.solid[s].mesh, -1};
+    for (int b = 0; b < sim->bodies; b++)
+        if (hiding_triangles(&sim->body[b]))
+            wall[walls++] = (struct border_wall){&sim->scene.body[b].mesh, b};
+    const struct border_def def = {sim->bodies, sim->body, sim->rest, walls, wall, width};
+    pdyn_status status = border_create(sim->context, &def, &sim->border);
+    FREE_ARRAY(sim->context, wall, capacity);
     return status;
 }
 
