@@ -15,8 +15,7 @@
 
 enum { STEPS = 5 };
 
-/* ---- a scene with a surface, a soft solid and particles ---------------------------------------
- */
+/* ---- a scene with a surface, a soft solid and particles -------------------------------------- */
 
 #define SETTINGS                                                                                   \
     "'duration': 1, 'frame_interval': 0.01, 'time_step': {'maximum': 0.005},"                      \

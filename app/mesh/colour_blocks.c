@@ -121,8 +121,7 @@ static void sample_blocks(void *self, int first, int last) {
     }
 }
 
-/* ---- blocks beside ----------------------------------------------------------------------------
- */
+/* ---- blocks beside --------------------------------------------------------------------------- */
 
 bool colour_is_inside(float value) { return value >= (float)COLOUR_ISO; }
 

@@ -84,8 +84,7 @@ static inline void vec3_rotation(double *R, const double *degrees) {
     R[6] = -s[1], R[7] = s[0] * c[1], R[8] = c[0] * c[1];
 }
 
-/* ---- projection of a vector to a length -------------------------------------------------------
- */
+/* ---- projection of a vector to a length ------------------------------------------------------ */
 
 /* p = length u / |u|: the closest point to u on the sphere of this radius; p = 0 for u = 0. */
 static inline void vec3_project_length(double *p, const double *u, double length) {

@@ -174,8 +174,7 @@ void context_log(pdyn_context *context, pdyn_log_level level, const char *format
     context->options.log(context->options.log_user, level, message);
 }
 
-/* ---- services of modules ----------------------------------------------------------------------
- */
+/* ---- services of modules --------------------------------------------------------------------- */
 
 static void service_for(pdyn_core *core, int count, int grain, pdyn_range_fn *fn, void *arg) {
     pool_for(((pdyn_context *)core)->pool, count, grain, fn, arg);

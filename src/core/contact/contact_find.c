@@ -175,8 +175,7 @@ double *contact_normal_forces(struct contact *c) { return c->current.force; }
 
 int contact_list_vertices(const struct contact *c, const pdyn_contacts *contacts, int e,
                           struct contact_vertex vertex[4]) {
-    const struct contact_list *list = contacts == &c->start.view ? &c->start : &c->current;
-    const struct stencil *s = &list->stencil[e];
+    const struct stencil *s = &((const struct contact_list *)contacts)->stencil[e];
     int count = 0;
     for (int k = 0; k < 4; k++)
         if (s->point[k] >= c->free)

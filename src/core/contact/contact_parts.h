@@ -31,12 +31,12 @@ struct stencil { /* of a contact: its shortest vector is the sum of c_k x_k */
 };
 
 struct contact_list {
+    pdyn_contacts view; /* what constraints see; the first member (contact_list_vertices) */
     int room;
     pdyn_contact *contact;   /* room */
     struct stencil *stencil; /* room: of the same contacts */
     uint64_t *key;           /* room: scratch, their keys */
     double *force;           /* room: scratch, their normal forces, N */
-    pdyn_contacts view;      /* what constraints see */
 };
 
 struct blocked { /* a pair that may move by a part of its displacement only */

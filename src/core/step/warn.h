@@ -31,6 +31,8 @@ pdyn_status warn_of_room(struct pdyn_sim *sim, int body);
 
 /* Mean length of the edges of a surface at rest, m. */
 double warn_mean_edge(const pdyn_body *body);
+/* The path of the points that a constraint holds; NULL: none. */
+const pdyn_path *warn_path(const struct scene_constraint *constraint);
 /* Whether a pin, or an attachment to another body, holds the body. */
 bool warn_is_held(const struct scene_body *body);
 /* The body of particles with the least rest density; NULL: there is none. */

@@ -128,6 +128,7 @@ static void check_collapse(struct pdyn_sim *sim, int b, const struct scene_const
 /* Part of the size of a body by which its pins may jump in the first step. */
 static const double max_jump = 0.1;
 
+/* A path that starts far from 0: often places instead of displacements. */
 static void check_start(struct pdyn_sim *sim, int b, const char *type, const pdyn_path *path) {
     double at[3];
     path_at(path, 0.0, at);
@@ -141,13 +142,11 @@ static void check_start(struct pdyn_sim *sim, int b, const char *type, const pdy
             type, at[0], at[1], at[2]);
 }
 
-/* Paths that start far from 0: often places instead of displacements. */
-static void check_path(struct pdyn_sim *sim, int b, const struct scene_constraint *c) {
-    if (!(c->type->flags & PDYN_ANCHORED)) return;
-    for (const pdyn_param *p = c->type->params; p->name; p++) {
-        const pdyn_path *path = param_path(p, c->params);
-        if (path && !strcmp(p->name, "path")) check_start(sim, b, c->type->name, path);
-    }
+const pdyn_path *warn_path(const struct scene_constraint *c) {
+    for (const pdyn_param *p = c->type->params; p->name; p++)
+        if (!strcmp(p->name, "path") && c->type->flags & PDYN_ANCHORED)
+            return param_path(p, c->params);
+    return NULL;
 }
 
 static void check_body(struct pdyn_sim *sim, int b) {
@@ -155,7 +154,7 @@ static void check_body(struct pdyn_sim *sim, int b) {
     for (int k = 0; k < body->constraints; k++) {
         const struct scene_constraint *c = &body->constraint[k];
         check_parameters(sim, body, c);
-        check_path(sim, b, c);
+        if (warn_path(c)) check_start(sim, b, c->type->name, warn_path(c));
         if (!strcmp(c->type->name, "surface_tension")) {
             check_softness(sim, b, parameter(c, "tension"));
             check_step(sim, b, parameter(c, "tension"));

@@ -1,5 +1,4 @@
 /* Warnings about surfaces in a fluid: meshes that it does not see well, bodies that do not sink. */
-#include "base/param_kind.h"
 #include "extent.h"
 #include "geometry/bvh.h"
 #include "live_particles.h"
@@ -8,8 +7,6 @@
 #include "warn.h"
 
 #include "projdyn/vec3.h"
-
-#include <string.h>
 
 /* Mean edge lengths of meshes in fluid, in particle spacings (docs/results/interface.md). */
 static const double min_edge = 0.25, max_edge = 8.0;
@@ -73,11 +70,8 @@ static bool is_drawn(const struct pdyn_sim *sim, int b, const pdyn_body *fluid) 
     if (strip || !is_dry(sim, b, fluid)) return false;
     for (int k = 0; k < body->constraints; k++) {
         const struct scene_constraint *c = &body->constraint[k];
-        for (const pdyn_param *p = c->type->params; p->name; p++) {
-            const pdyn_path *path = param_path(p, c->params);
-            if (!path || !(c->type->flags & PDYN_REACTION) || strcmp(p->name, "path")) continue;
-            if (leads_into(sim, path, &box, fluid)) return true;
-        }
+        const pdyn_path *path = c->type->flags & PDYN_REACTION ? warn_path(c) : NULL;
+        if (path && leads_into(sim, path, &box, fluid)) return true;
     }
     return false;
 }
