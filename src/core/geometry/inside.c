@@ -8,6 +8,7 @@
  * edge therefore agree, and no row slips through between them. */
 #include "sampling.h"
 
+#include "projdyn/closest3.h"
 #include "projdyn/vec3.h"
 
 enum { PASSED = 1, CLOSE = 2 };
@@ -88,32 +89,6 @@ static void mark_passed(const struct lattice *l, const double *const corner[3]) 
 
 /* ---- distance to the mesh -------------------------------------------------------------------- */
 
-static double distance_to_edge(const double *x, const double *p, const double *q) {
-    double along[3], from[3];
-    for (int a = 0; a < 3; a++) along[a] = q[a] - p[a], from[a] = x[a] - p[a];
-    double square = vec3_dot(along, along);
-    double t = square > 0.0 ? fmin(fmax(vec3_dot(from, along) / square, 0.0), 1.0) : 0.0;
-    vec3_add(from, -t, along);
-    return vec3_length(from);
-}
-
-/* Distance, m. normal: of any length; 0: only the distance to the edges is used. */
-static double distance_to_triangle(const double *x, const double *const corner[3],
-                                   const double *normal) {
-    double nearest = HUGE_VAL, length = vec3_length(normal), height = 0.0;
-    bool above = length > 0.0;
-    for (int c = 0; c < 3; c++) {
-        const double *p = corner[c], *q = corner[(c + 1) % 3];
-        double along[3], from[3], inwards[3];
-        for (int a = 0; a < 3; a++) along[a] = q[a] - p[a], from[a] = x[a] - p[a];
-        vec3_cross(inwards, normal, along);
-        above &= vec3_dot(inwards, from) >= 0.0;
-        height = fabs(vec3_dot(normal, from));
-        nearest = fmin(nearest, distance_to_edge(x, p, q));
-    }
-    return above ? fmin(nearest, height / length) : nearest;
-}
-
 /* Shrinks [low, high], a part of row (j, k), to where the plane of the triangle is within
  * `distance`. */
 static void clip_row(const struct lattice *l, const double *corner, const double *normal,
@@ -137,9 +112,8 @@ static void mark_close(const struct lattice *l, const double *const corner[3], d
         first[a] = index_from(l, a, low[a]), last[a] = index_from(l, a, high[a]);
     }
     vec3_cross(normal, u, v);
-    if (vec3_length(normal) <
-        1e-9 * vec3_length(u) *
-            vec3_length(v)) /* a needle triangle: rounding makes its plane meaningless */
+    /* rounding makes the plane of a needle triangle meaningless */
+    if (vec3_length(normal) < 1e-9 * vec3_length(u) * vec3_length(v))
         for (int a = 0; a < 3; a++) normal[a] = 0.0;
     for (long k = first[2]; k < last[2]; k++)
         for (long j = first[1]; j < last[1]; j++) {
@@ -147,8 +121,9 @@ static void mark_close(const struct lattice *l, const double *const corner[3], d
             clip_row(l, corner[0], normal, distance, j, k, &from, &to);
             long end = index_from(l, 0, to);
             for (long i = index_from(l, 0, from); i < end; i++) {
-                double x[3] = {place(l, 0, i), place(l, 1, j), place(l, 2, k)};
-                if (distance_to_triangle(x, corner, normal) < distance) marks(l, j, k)[i] |= CLOSE;
+                const double x[3] = {place(l, 0, i), place(l, 1, j), place(l, 2, k)};
+                double unused[3], squared = closest3_triangle(x, corner, unused);
+                if (squared < distance * distance) marks(l, j, k)[i] |= CLOSE;
             }
         }
 }
