@@ -9,7 +9,7 @@
 /* The side of the plane through a, b, c on which d is: -1 or 1, or 0 within rounding errors. */
 static int side(const double *a, const double *b, const double *c, const double *d) {
     double ab[3], ac[3], ad[3], normal[3];
-    for (int k = 0; k < 3; k++) ab[k] = b[k] - a[k], ac[k] = c[k] - a[k], ad[k] = d[k] - a[k];
+    vec3_subtract(ab, b, a), vec3_subtract(ac, c, a), vec3_subtract(ad, d, a);
     vec3_cross(normal, ab, ac);
     double volume = vec3_dot(normal, ad);
     double rounding = 1e-12 * vec3_length(ab) * vec3_length(ac) * vec3_length(ad);
@@ -61,10 +61,9 @@ static int triangle_number(const struct contact *c, const int *corner, int corne
 /* The point where the line p q meets the plane of the face a b c. */
 static void find_crossing(const double *p, const double *q, const double *a, const double *b,
                           const double *c, double x[3]) {
-    double ab[3], ac[3], ap[3], pq[3], normal[3];
-    for (int k = 0; k < 3; k++)
-        ab[k] = b[k] - a[k], ac[k] = c[k] - a[k], ap[k] = p[k] - a[k], pq[k] = q[k] - p[k];
-    vec3_cross(normal, ab, ac);
+    double ap[3], pq[3], normal[3];
+    vec3_normal(normal, a, b, c);
+    vec3_subtract(ap, p, a), vec3_subtract(pq, q, p);
     memcpy(x, p, 3 * sizeof *x);
     vec3_add(x, -vec3_dot(normal, ap) / vec3_dot(normal, pq), pq);
 }

@@ -22,26 +22,19 @@ struct side { /* of a sample */
     double share[MOST], sum; /* of each particle in the density sum; all together */
 };
 
-static void normal_of(const struct wet_sides *d, int sample, double n[3]) {
-    const double *corner[3];
-    for (int k = 0; k < 3; k++) corner[k] = d->x + 3 * (size_t)d->samples->vertex[3 * sample + k];
-    vec3_normal(n, corner[0], corner[1], corner[2]);
-    double length = vec3_length(n);
-    for (int a = 0; a < 3; a++) n[a] = length > 0.0 ? n[a] / length : 0.0;
-}
-
 /* The normal of a sample and the fluid on its two sides; the normal points to the second side. */
 static void find_fluid(const struct wet_sides *d, int sample, double n[3], struct side side[2]) {
     const pdyn_neighbours *l = d->lists;
     struct kernel kernel = kernel_make(l->kernel, l->surface_support);
     int at = d->samples->particles + sample;
     const double *x = d->x + 3 * (size_t)at;
-    normal_of(d, sample, n);
+    samples_normal(d->samples, sample, d->x, n);
+    vec3_normalise(n);
     memset(side, 0, 2 * sizeof *side);
     for (int s = l->start[at]; s < l->surface_start[at]; s++) {
         int i = l->index[s];
         double r[3];
-        for (int a = 0; a < 3; a++) r[a] = d->x[3 * (size_t)i + (size_t)a] - x[a];
+        vec3_subtract(r, d->x + 3 * (size_t)i, x);
         double share = l->volume[i] * kernel_value(&kernel, vec3_length(r));
         struct side *to = &side[vec3_dot(r, n) > 0.0];
         if (share == 0.0 || to->count == MOST) continue;

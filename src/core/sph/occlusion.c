@@ -113,9 +113,8 @@ static double edge_side(const double d[3], const double a[3], const double b[3])
 
 /* Whether the segment from 0 to d meets the triangle c. */
 static bool segment_meets_triangle(const double d[3], double c[3][3]) {
-    double u[3], v[3], n[3];
-    for (int a = 0; a < 3; a++) u[a] = c[1][a] - c[0][a], v[a] = c[2][a] - c[0][a];
-    vec3_cross(n, u, v);
+    double n[3];
+    vec3_normal(n, c[0], c[1], c[2]);
     double begin = -vec3_dot(n, c[0]), end = begin + vec3_dot(n, d);
     if ((begin > 0.0) == (end > 0.0)) return false;
     double s[3];

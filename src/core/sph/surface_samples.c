@@ -177,10 +177,8 @@ void samples_update_active(struct surface_samples *s, const pdyn_neighbours *lis
 
 /* Area of the triangle of sample k at x, m^2. */
 static double area(const struct surface_samples *s, int k, const double *x) {
-    const double *c[3];
     double n[3];
-    for (int m = 0; m < 3; m++) c[m] = x + 3 * (size_t)s->vertex[3 * k + m];
-    vec3_normal(n, c[0], c[1], c[2]);
+    samples_normal(s, k, x, n);
     return 0.5 * vec3_length(n);
 }
 

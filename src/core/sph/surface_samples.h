@@ -59,6 +59,13 @@ INLINE void samples_at(const struct surface_samples *samples, int k, const doubl
         vec3_add(at, samples->weight[m], x + 3 * (size_t)samples->vertex[m]);
 }
 
+/* n: across the triangle of sample k, twice as long as its area. */
+static inline void samples_normal(const struct surface_samples *samples, int k, const double *x,
+                                  double n[3]) {
+    const int *corner = samples->vertex + 3 * (size_t)k;
+    vec3_normal(n, x + 3 * (size_t)corner[0], x + 3 * (size_t)corner[1], x + 3 * (size_t)corner[2]);
+}
+
 /* Call after the lists were built, near: numbers of points (neighbours.h). Finds the active
  * samples. All functions below except samples_update_volumes use active samples only. */
 void samples_update_active(struct surface_samples *samples, const pdyn_neighbours *lists,

@@ -71,12 +71,10 @@ static bool find_boundary_point(struct wall *wall, int k, struct wall_point *out
 static bool find_sample(const struct wall *wall, int k, struct wall_point *out) {
     const struct pdyn_sim *sim = wall->sim;
     const struct surface_samples *samples = sim->objective.samples;
-    const int *vertex = samples->vertex + 3 * (size_t)k;
-    if (!body_has(&sim->body[wall->probe->on_body], *vertex)) return false;
+    if (!body_has(&sim->body[wall->probe->on_body], samples->vertex[3 * (size_t)k])) return false;
     samples_at(samples, k, sim->x, out->x);
     if (!is_near(wall, out->x)) return false;
-    vec3_normal(out->normal, sim->x + 3 * (size_t)vertex[0], sim->x + 3 * (size_t)vertex[1],
-                sim->x + 3 * (size_t)vertex[2]);
+    samples_normal(samples, k, sim->x, out->normal);
     vec3_normalise(out->normal);
     out->area = samples->rest_area[k];
     out->force = sim->probes->sample_force + 3 * (size_t)k;
