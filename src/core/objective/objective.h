@@ -48,7 +48,8 @@ struct objective {
     double eps;            /* damping of the current linearisation: 0 newton, 1 projective */
 
     /* Constraints. */
-    int batches, capacity;
+    int batches;
+    size_t capacity;
     struct batch **batch;        /* capacity */
     struct contact *contact;     /* NULL in a scene without contact */
     struct batch *barrier;       /* of contact: element e acts on contact e of contact_current */

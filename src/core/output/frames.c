@@ -56,14 +56,10 @@ static pdyn_status write_part(pdyn_writer *writer, struct part part) {
 }
 
 pdyn_status frames_reserve_times(pdyn_writer *writer, int frames) {
-    size_t size = (size_t)writer->capacity * sizeof(double);
-    size_t grown = (2 * (size_t)frames + 64) * sizeof(double);
-    if (frames <= writer->capacity) return PDYN_OK;
-    double *moved =
-        frames < INT32_MAX / 4 ? context_resize(writer->context, writer->time, size, grown) : NULL;
-    if (!moved) return context_no_memory(writer->context);
-    writer->time = moved;
-    writer->capacity = (int)(grown / sizeof(double));
+    double *grown = context_grow(writer->context, writer->time, &writer->capacity, (size_t)frames,
+                                 sizeof *grown);
+    if (!grown && frames) return PDYN_NO_MEMORY;
+    writer->time = grown;
     return PDYN_OK;
 }
 

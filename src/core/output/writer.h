@@ -18,7 +18,8 @@ struct pdyn_writer {
     struct csv_file metrics, probes;
     char *row; /* row_size: the current row of one of them */
     size_t row_size;
-    int frames, capacity;
+    int frames;
+    size_t capacity;
     double *time; /* capacity: times of the frames, s */
     struct report report;
 };

@@ -90,7 +90,7 @@ pdyn_status batches_create(struct pdyn_sim *sim) {
     if (sim->objective.samples) count += 2; /* slip, seepage */
     objective->batch = NEW_ARRAY(sim->context, count, struct batch *);
     sim->constraint = NEW_ARRAY(sim->context, constraints, const struct scene_constraint *);
-    objective->capacity = count;
+    objective->capacity = (size_t)count;
     if (count && !objective->batch) return PDYN_NO_MEMORY;
     if (constraints && !sim->constraint) return PDYN_NO_MEMORY;
     pdyn_status status = add_each(sim, add_constraint);

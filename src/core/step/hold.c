@@ -106,12 +106,10 @@ static void drop_batches(struct pdyn_sim *sim) {
 }
 
 static pdyn_status reserve_batches(struct objective *objective, int count) {
-    if (count <= objective->capacity) return PDYN_OK;
-    struct batch **moved =
-        context_resize(objective->context, objective->batch,
-                       (size_t)objective->capacity * sizeof *moved, (size_t)count * sizeof *moved);
-    if (!moved) return context_no_memory(objective->context);
-    objective->batch = moved, objective->capacity = count;
+    struct batch **grown = context_grow(objective->context, objective->batch, &objective->capacity,
+                                        (size_t)count, sizeof *grown);
+    if (!grown) return PDYN_NO_MEMORY;
+    objective->batch = grown;
     return PDYN_OK;
 }
 
