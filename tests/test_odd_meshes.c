@@ -65,6 +65,42 @@ static void test_finite(void **state) {
     run("v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n", 3, 0, x);
 }
 
+/* Square A and a second one beside it or below it, which no vertex joins. */
+#define SECOND(x, y) "v " #x " " #y " 0\nv 1 " #y " 0\nv " #x " " #y " 1\nv 1 " #y " 1\n"
+#define PIECES       "f 1 2 3\nf 3 2 4\nf 5 6 7\nf 7 6 8\n"
+
+/* Height of the free corner of A after 20 steps. */
+static double swing(const char *mesh, int contact) {
+    static const char text[] =
+        "{'duration': 1, 'bodies': [{'surface': {'mesh': 'mesh.obj', 'area_density': 0.2}, "
+        "'constraints': [{'type': 'triangle', 'stretching_stiffness': 1000}, {'type': 'pin', "
+        "'vertices': {'vertices': [0, 2, 4, 6]}}]}]}";
+    const char *set[] = {"contact={\"thickness\": 0.005}"};
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim;
+    test_write_text("mesh.obj", mesh);
+    if (pdyn_load_text(context, quoted(text), "test", set, contact, &sim) != PDYN_OK)
+        fail_msg("%s", pdyn_last_error(context));
+    test_remove_file("mesh.obj");
+    for (int n = 0; n < 20; n++) assert_true(test_step(context, sim).step_residual <= 0.1);
+    double height = pdyn_get_state(sim).x[3 * 3 + 1];
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return height;
+}
+
+/* Parts of a sheet that lie on each other at rest are no contacts: they swing as without. */
+static void test_joined(void **state) {
+    (void)state;
+    static const char *const meshes[] = {A SECOND(2, 0) PIECES, A SECOND(0, 0) PIECES,
+                                         A SECOND(0, -1e-5) PIECES};
+    for (int k = 0; k < 3; k++) {
+        double free_height = swing(meshes[k], 0);
+        assert_true(free_height < -0.01);
+        assert_true(fabs(swing(meshes[k], 1) - free_height) < 1e-6);
+    }
+}
+
 static void test_twice(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -80,6 +116,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_same),
         cmocka_unit_test(test_finite),
+        cmocka_unit_test(test_joined),
         cmocka_unit_test(test_twice),
     };
     return cmocka_run_group_tests_name("odd meshes", tests, test_enter_directory,

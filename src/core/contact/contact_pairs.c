@@ -61,10 +61,14 @@ static bool is_passed(const struct contact *c, const struct pair *p) {
     return a >= c->vertices && a < c->free && c->permeable[c->group[p->point[3]]];
 }
 
+/* Distance in the rest shape, over the thickness, up to which two parts of a body count as joined:
+ * the vertices along a seam, or the layers of a mesh that is folded flat. */
+static const double joined = 1e-2;
+
 /* Whether the pair can come closer than its thickness while its points are in their regions; sets
  * its distance, thickness and share. moved: how far the points were from there in `seen`. Within a
  * body the thickness is less than the distance in the rest shape, so that the rest shape has no
- * contact forces. */
+ * contact forces; parts that are joined are no pair. */
 static bool close_enough(const struct contact *c, struct pair *p) {
     int first = pair_kind_of(p->key)->first;
     bool same = c->group[p->point[0]] == c->group[p->point[3]];
@@ -75,7 +79,10 @@ static bool close_enough(const struct contact *c, struct pair *p) {
     if (nearest > p->thickness) return false;
     p->distance = distance - pair_largest(p, c->pairs.moved);
     p->share = share_of(c, p);
-    if (same) p->thickness = fmin(p->thickness, 0.9 * distance_in(p, c->rest));
+    if (!same) return true;
+    double rest = distance_in(p, c->rest);
+    if (rest <= joined * p->thickness) return false;
+    p->thickness = fmin(p->thickness, 0.9 * rest);
     return nearest <= p->thickness;
 }
 
