@@ -21,7 +21,7 @@ quick)
 esac
 # shellcheck disable=SC2086
 {
-    export OMP_NUM_THREADS=1 # of CHOLMOD and BLAS: times are those of all threads
+    export OMP_NUM_THREADS=1 # of a BLAS with threads: times are those of all threads
     build/bench/coupling momentum "$out" "$steps" 0.2 >"$out/momentum.md"
     build/bench/coupling basin "$out" "$seconds" $basin >"$out/basin.md"
     build/bench/coupling lintearia "$out" 2 $sheet >"$out/lintearia.md"

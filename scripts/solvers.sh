@@ -16,7 +16,7 @@ esac
 mkdir -p "$out"
 threads=1 next=2
 while [ $next -le "$(nproc)" ]; do threads="$threads $next" next=$((2 * next)); done
-export OMP_NUM_THREADS=1 # of CHOLMOD and BLAS: times are those of all threads
+export OMP_NUM_THREADS=1 # of a BLAS with threads: times are those of all threads
 # shellcheck disable=SC2086
 {
     scripts/solvers.py cost "$seconds" >"$out/cost.md"

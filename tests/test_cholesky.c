@@ -3,6 +3,7 @@
 
 #include "../src/solvers/cholmod_factor.h"
 
+#include <dirent.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -112,10 +113,36 @@ static void test_factor_threads(void **state) {
     free(one);
 }
 
+static int count_threads(void) {
+    int threads = 0;
+    DIR *tasks = opendir("/proc/self/task");
+    assert_non_null(tasks);
+    for (struct dirent *entry; (entry = readdir(tasks));) threads += entry->d_name[0] != '.';
+    closedir(tasks);
+    return threads;
+}
+
+/* A scene of one thread takes one thread, also for supernodes (the newton step). */
+static void test_no_other_threads(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, SCENE("'duration': 1, 'solver': {'type': 'cholesky'}",
+                                             GRID_SHEET("", "1, 1", "30, 30", "'area_density': 0.2",
+                                                        PAIR(PAIR(SPRINGS("400"), BENDING("1e-4")),
+                                                             PINS("'vertices': [0, 29]"))),
+                                             ""));
+    int before = count_threads();
+    assert_int_equal(pdyn_step(sim, NULL), PDYN_OK);
+    assert_int_equal(count_threads(), before);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_factor),
         cmocka_unit_test(test_factor_threads),
+        cmocka_unit_test(test_no_other_threads),
     };
     return cmocka_run_group_tests_name("cholesky", tests, NULL, NULL);
 }

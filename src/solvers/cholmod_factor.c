@@ -73,9 +73,24 @@ pdyn_status factor_analyse(struct factor *f, const pdyn_matrix *m, bool lasting)
     return f->factor ? reserve_rhs(f) : fail(f, "analyse");
 }
 
+/* Of the OpenMP library of CHOLMOD; NULL: a CHOLMOD without OpenMP. */
+int omp_get_max_active_levels(void) __attribute__((weak));
+void omp_set_max_active_levels(int levels) __attribute__((weak));
+
+/* CHOLMOD factors supernodes with four threads of its own, which no variable but OMP_THREAD_LIMIT
+ * changes. Without active levels OpenMP makes none: a run has the threads that it is given. */
+static bool factorize_on_this_thread(cholmod_sparse *A, struct factor *f) {
+    if (!omp_set_max_active_levels) return cholmod_factorize(A, f->factor, &f->common);
+    int levels = omp_get_max_active_levels();
+    omp_set_max_active_levels(0);
+    bool good = cholmod_factorize(A, f->factor, &f->common);
+    omp_set_max_active_levels(levels);
+    return good;
+}
+
 pdyn_status factor_compute(struct factor *f, const pdyn_matrix *m) {
     cholmod_sparse A = sparse_view(m);
-    bool good = cholmod_factorize(&A, f->factor, &f->common);
+    bool good = factorize_on_this_thread(&A, f);
     return good && f->common.status == CHOLMOD_OK ? PDYN_OK : fail(f, "factor");
 }
 
