@@ -11,6 +11,7 @@ void factor_start(struct factor *f, const pdyn_services *services) {
 
 void factor_end(struct factor *f) {
     if (!f->services) return;
+    cholmod_free_factor(&f->analysed, &f->common);
     cholmod_free_factor(&f->factor, &f->common);
     cholmod_free_dense(&f->rhs, &f->common);
     cholmod_free_dense(&f->solution, &f->common);
@@ -64,13 +65,14 @@ static pdyn_status reserve_rhs(struct factor *f) {
 pdyn_status factor_analyse(struct factor *f, const pdyn_matrix *m, bool lasting) {
     cholmod_sparse A = sparse_view(m);
     f->dim = m->dim, f->size = m->size;
-    /* the factor of a sheet at dim 1 is too sparse for dense kernels, and solves with it dominate
-     */
-    f->common.supernodal = m->dim == 1 ? CHOLMOD_SIMPLICIAL : CHOLMOD_AUTO;
+    /* a large factor is quick to compute by supernodes; at dim 1 it is too sparse for solves by
+     * dense kernels, and becomes a simplicial one without the zeros of supernodes */
+    f->common.final_asis = false, f->common.final_super = m->dim == 3;
+    f->common.final_resymbol = m->dim == 1;
     choose_orderings(&f->common, lasting);
-    cholmod_free_factor(&f->factor, &f->common);
-    f->factor = cholmod_analyze(&A, &f->common);
-    return f->factor ? reserve_rhs(f) : fail(f, "analyse");
+    cholmod_free_factor(&f->analysed, &f->common);
+    f->analysed = cholmod_analyze(&A, &f->common);
+    return f->analysed ? reserve_rhs(f) : fail(f, "analyse");
 }
 
 /* Of the OpenMP library of CHOLMOD; NULL: a CHOLMOD without OpenMP. */
@@ -90,7 +92,9 @@ static bool factorize_on_this_thread(cholmod_sparse *A, struct factor *f) {
 
 pdyn_status factor_compute(struct factor *f, const pdyn_matrix *m) {
     cholmod_sparse A = sparse_view(m);
-    bool good = factorize_on_this_thread(&A, f);
+    cholmod_free_factor(&f->factor, &f->common);
+    f->factor = cholmod_copy_factor(f->analysed, &f->common);
+    bool good = f->factor && factorize_on_this_thread(&A, f);
     return good && f->common.status == CHOLMOD_OK ? PDYN_OK : fail(f, "factor");
 }
 

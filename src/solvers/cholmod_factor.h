@@ -10,7 +10,7 @@
 struct factor {
     const pdyn_services *services;
     cholmod_common common;
-    cholmod_factor *factor;
+    cholmod_factor *analysed, *factor;              /* the layout that was found; with numbers */
     cholmod_dense *rhs, *solution, *work, *scratch; /* kept, so that a solve allocates nothing */
     int dim, size;                                  /* of the matrix */
 };
