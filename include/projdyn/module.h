@@ -466,9 +466,9 @@ typedef struct pdyn_constraint_type {
      * kinetic energy than gravity, moving solids and all E can give.
      * NULL: E = w/2 |u - p|^2. */
     double (*energy)(const void *params, const pdyn_batch *batch, int first, int last);
-    /* Called at the beginning of every step with u = G x and p = G v: data may change. `weight` is
-     * called after it, and not before the first step. A step that is repeated begins again: what
-     * lasts belongs into `memory`. NULL: nothing changes. */
+    /* Called at the beginning of every step with u = G x and p = G v of all elements, which it may
+     * read: data may change. `weight` is called after it, and not before the first step. A step
+     * that is repeated begins again: what lasts belongs into `memory`. NULL: nothing changes. */
     void (*begin)(const void *params, const pdyn_batch *batch, int first, int last);
     /* State of elements that lasts, as plastic strain or the slip of friction. `end` is called
      * after every accepted step, with u and p of its end, and writes `memory` (memory_size bytes

@@ -3,14 +3,16 @@
  *     pressure = 1/2 rho drag |w_n| w_n along the normal n,     w_n = n . (wind - v)
  *
  * n and |w_n| are taken at the beginning of the step, v at its end: the drag is implicit and stable
- * for a sheet of any mass. u: the three corners x_c of a triangle of area A,
+ * for a sheet of any mass. An element is a corner u of a triangle of area A,
  *
- *     p_c = u_c + n (n . (x_c + h wind) - n . u_c),     w = 1/2 rho drag |w_n| A / (3 h)
+ *     p = u + n (n . (x + h wind) - n . u),     w = 1/2 rho drag |w_n| A / (3 h),     J = I - n n'
  *
- * with x_c at the beginning of the step: p_c is where the corner would be along n if it moved with
- * the air. J = I - n n' for each corner. */
+ * with the corner x at the beginning of the step: p is where the corner would be along n if it
+ * moved with the air. */
 #include "projdyn/module.h"
 #include "projdyn/vec3.h"
+
+#include <string.h>
 
 struct params {
     double velocity[3], air_density, drag;
@@ -25,63 +27,59 @@ static const pdyn_param params[] = {
      "pressure on the sheet over 1/2 air_density w^2, w the speed of the air across it"},
     {0}};
 
-struct triangle_wind { /* data of an element, set at the beginning of a step */
+struct corner_wind {   /* data of an element, set at the beginning of a step */
     double normal[3];  /* unit normal n; 0 before the first step and for a triangle without area */
-    double target[3];  /* n . (x_c + h wind) for each corner c, m */
+    double target;     /* n . (x + h wind), m */
     double resistance; /* 1/2 rho drag |w_n| A / 3: force on a corner over its speed along n
                           relative to the air, N s/m */
 };
 
 static int elements(const void *par, const pdyn_body *body) {
     (void)par;
-    return body->triangles;
+    return 3 * body->triangles;
 }
 
 static void select(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
-    for (int k = 3 * first; k < 3 * last; k++)
-        b->column[k] = b->body->first + b->body->triangle[k], b->coefficient[k] = 1.0;
+    for (int c = first; c < last; c++)
+        b->column[c] = b->body->first + b->body->triangle[c], b->coefficient[c] = 1.0;
 }
 
 static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
-    for (int t = first; t < last; t++)
-        b->weight[t] = ((const struct triangle_wind *)b->data)[t].resistance / b->h;
+    for (int c = first; c < last; c++)
+        b->weight[c] = ((const struct corner_wind *)b->data)[c].resistance / b->h;
 }
 
 /* u: positions, p: velocities of the corners at the beginning of the step. */
 static void begin(const void *par, const pdyn_batch *b, int first, int last) {
     const struct params *q = par;
-    for (int t = first; t < last; t++) {
-        const double *x = b->u + 9 * t, *v = b->p + 9 * t;
-        struct triangle_wind *d = (struct triangle_wind *)b->data + t;
+    for (int c = first; c < last; c++) {
+        struct corner_wind *d = (struct corner_wind *)b->data + c;
+        const double *x = b->u + 9 * (c / 3), *v = b->p + 9 * (c / 3); /* of the triangle */
         vec3_normal(d->normal, x, x + 3, x + 6);
         double area = 0.5 * vec3_normalise(d->normal), wind = vec3_dot(d->normal, q->velocity);
         double speed = 0.0; /* w_n at the centroid, m/s */
-        for (int c = 0; c < 3; c++) {
-            speed += (wind - vec3_dot(d->normal, v + 3 * c)) / 3.0;
-            d->target[c] = vec3_dot(d->normal, x + 3 * c) + b->h * wind;
-        }
+        for (int k = 0; k < 3; k++) speed += (wind - vec3_dot(d->normal, v + 3 * k)) / 3.0;
+        d->target = vec3_dot(d->normal, b->u + 3 * c) + b->h * wind;
         d->resistance = 0.5 * q->air_density * q->drag * area * fabs(speed) / 3.0;
     }
 }
 
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
-    for (int r = 3 * first; r < 3 * last; r++) {
-        const struct triangle_wind *d = (const struct triangle_wind *)b->data + r / 3;
-        double behind = d->target[r % 3] - vec3_dot(d->normal, b->u + 3 * r);
-        for (int k = 0; k < 3; k++) b->p[3 * r + k] = b->u[3 * r + k] + behind * d->normal[k];
+    for (int c = first; c < last; c++) {
+        const struct corner_wind *d = (const struct corner_wind *)b->data + c;
+        double behind = d->target - vec3_dot(d->normal, b->u + 3 * c);
+        for (int k = 0; k < 3; k++) b->p[3 * c + k] = b->u[3 * c + k] + behind * d->normal[k];
     }
 }
 
-static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+static void tangent_rank1(const void *par, const pdyn_batch *b, int first, int last, double *axis) {
     (void)par;
-    for (int t = first; t < last; t++, J += 81) {
-        const double *n = ((const struct triangle_wind *)b->data)[t].normal;
-        for (int c = 0; c < 9; c += 3)
-            for (int i = 0; i < 3; i++)
-                for (int j = 0; j < 3; j++) J[9 * (c + i) + c + j] = (i == j) - n[i] * n[j];
+    for (int c = first; c < last; c++, axis += 4) {
+        memcpy(axis, ((const struct corner_wind *)b->data)[c].normal, 3 * sizeof *axis);
+        axis[3] = 1.0;
     }
 }
 
@@ -91,13 +89,13 @@ const pdyn_constraint_type pdyn_constraint_wind = {
     .flags = PDYN_ON_SURFACE | PDYN_ANCHORED | PDYN_LOSSY,
     .params_size = sizeof(struct params),
     .params = params,
-    .data_size = sizeof(struct triangle_wind),
+    .data_size = sizeof(struct corner_wind),
     .elements = elements,
-    .rows = 3,
+    .rows = 1,
     .width = 1,
     .select = select,
     .weight = weight,
     .project = project,
-    .tangent = tangent,
+    .tangent_rank1 = tangent_rank1,
     .begin = begin,
 };

@@ -129,7 +129,8 @@ static void weigh_damper(void *arg, int first, int last, int block) {
     for (int e = first; e < last; e++) b->view.weight[e] *= part;
 }
 
-static void begin_rows(void *arg, int first, int last, int block) {
+/* u = G x and p = G v */
+static void gather_start(void *arg, int first, int last, int block) {
     (void)block;
     const struct begin *c = arg;
     struct batch *b = c->batch;
@@ -138,6 +139,11 @@ static void begin_rows(void *arg, int first, int last, int block) {
     memcpy(b->view.p + 3 * (size_t)row, b->view.u + 3 * (size_t)row,
            3 * (size_t)(end - row) * sizeof(double));
     gather_rows(b, row, end, c->start->x_base);
+}
+
+static void begin_rows(void *arg, int first, int last, int block) {
+    (void)block;
+    struct batch *b = arg;
     b->type->begin(b->params, &b->view, first, last);
     rows_weigh(b, first, last);
 }
@@ -150,5 +156,6 @@ void rows_begin_damper(struct batch *b, const struct step_start *start) {
 
 void rows_begin(struct batch *b, const struct step_start *start) {
     struct pool *pool = b->context->pool;
-    pool_for(pool, b->view.elements, b->grain, begin_rows, &(struct begin){b, start});
+    pool_for(pool, b->view.elements, b->grain, gather_start, &(struct begin){b, start});
+    pool_for(pool, b->view.elements, b->grain, begin_rows, b);
 }
