@@ -84,7 +84,7 @@ static int parse(struct compare *c, int argc, char **argv) {
 
 /* ---- output ---------------------------------------------------------------------------------- */
 
-/* Prints a row per solver; row: the printf format of the columns of --csv. */
+/* Prints a row per solver; row: the printf format of the columns of --csv, or of the first ones. */
 static void print_rows(const struct solver_benchmark *benchmark, const char *header,
                        const char *row) {
     const struct solver_timing *first = benchmark->solver;
@@ -95,7 +95,7 @@ static void print_rows(const struct solver_benchmark *benchmark, const char *hea
         printf(row, timing->solver, benchmark_prepare_ms(benchmark, timing),
                benchmark_step_ms(benchmark, timing), timing->outer / n, timing->linear / n,
                timing->residual / n, 1e-6 * timing->bytes, benchmark_difference(timing, first),
-               benchmark_break_even(benchmark, timing, first));
+               benchmark_break_even(benchmark, timing, first), timing->unsolved);
     }
 }
 
@@ -167,8 +167,8 @@ int compare_main(int argc, char **argv) {
         if (code == EXIT_GOOD && c.csv)
             print_rows(&c.benchmark,
                        "solver,prepare_ms,ms_per_step,outer_iterations,linear_iterations,"
-                       "step_residual,memory_mb,difference,catches_up\n",
-                       "%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n");
+                       "step_residual,memory_mb,difference,catches_up,unsolved_steps\n",
+                       "%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%ld\n");
         else if (code == EXIT_GOOD) print_table(&c.benchmark);
     }
     benchmark_free(&c.benchmark);

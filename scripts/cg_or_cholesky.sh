@@ -28,7 +28,7 @@ measure() { # n, K h^2/m, linear tolerance: five steps of three iterations, thre
 }
 csv=$bench/cg_or_cholesky.csv
 {
-    echo "n,number,linear_tolerance,solver,prepare_ms,ms_per_step,outer_iterations,linear_iterations,step_residual,memory_mb,difference,catches_up"
+    echo "n,number,linear_tolerance,solver,prepare_ms,ms_per_step,outer_iterations,linear_iterations,step_residual,memory_mb,difference,catches_up,unsolved_steps"
     for n in $sizes; do for number in $numbers; do for tolerance in 1e-2 1e-6; do measure "$n" "$number" "$tolerance"; done; done; done
 } >"$out/measured.csv"
 [ "$out/measured.csv" -ef "$csv" ] || cp "$out/measured.csv" "$csv"

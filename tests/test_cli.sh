@@ -206,6 +206,8 @@ expect "compare" 0 "times as fast as with" "$program" compare $contest --solver 
 expect "compare with itself" 0 "0.00e+00" sh -c "'$program' compare $(echo $contest) --solver cg,cg | grep ^cg | sed 1d"
 expect "compare in one way" 0 "cholesky" sh -c "'$program' compare $(echo $contest) --solver cg,cholesky --set solver.step=projective \
     --csv | awk -F, 'NR == 2 { linear = \$5 } NR == 3 && \$5 == 3 && linear > 3 && \$8 > 0 && \$8 < 0.1'"
+expect "compare counts unsolved steps" 0 "3" sh -c "'$program' compare $(echo $contest) --solver cg,hybrid --csv |
+    awk -F, 'NR == 1 { header = \$10 } END { if (header == \"unsolved_steps\") print \$10 }'"
 expect "compare needs two" 2 "two solvers or more" "$program" compare $contest --solver cg
 expect "compare of a solver that does not fit" 2 "does not fit" "$program" compare $contest --solver cg,dual
 expect "compare in no steps" 2 "from 1 to" "$program" compare $contest --solver cg,hybrid --steps 0
