@@ -1,6 +1,5 @@
 #include "assembly.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Called for every ordered pair of entries (k, m) of an element that contributes to the lower
@@ -35,22 +34,27 @@ static void store_pair(struct matrix *matrix, const struct batch *b, int k, int 
     matrix->block_row[matrix->block_start[b->view.column[m]]++] = b->view.column[k];
 }
 
-static int compare_int(const void *a, const void *b) {
-    int x = *(const int *)a, y = *(const int *)b;
-    return (x > y) - (x < y);
+/* Inserts `row` into ascending rows, unless it is there. */
+static void insert_row(int *rows, int *count, int row) {
+    int low = 0, high = *count;
+    while (low < high) {
+        int middle = low + (high - low) / 2;
+        if (rows[middle] < row) low = middle + 1;
+        else high = middle;
+    }
+    if (low < *count && rows[low] == row) return;
+    memmove(rows + low + 1, rows + low, (size_t)(*count - low) * sizeof *rows);
+    rows[low] = row, ++*count;
 }
 
 /* Sorts every column and merges repeated blocks. On entry, block_start is shifted by one column. */
 static void merge_blocks(struct matrix *matrix) {
     int from = 0, kept = 0;
     for (int j = 0; j < matrix->particles; j++) {
-        int end = matrix->block_start[j], first = kept;
-        qsort(matrix->block_row + from, (size_t)(end - from), sizeof(int), compare_int);
-        matrix->block_start[j] = first;
-        for (int k = from; k < end; k++)
-            if (kept == first || matrix->block_row[kept - 1] != matrix->block_row[k])
-                matrix->block_row[kept++] = matrix->block_row[k];
-        from = end;
+        int end = matrix->block_start[j], count = 0, *rows = matrix->block_row + kept;
+        for (int k = from; k < end; k++) insert_row(rows, &count, matrix->block_row[k]);
+        matrix->block_start[j] = kept;
+        kept += count, from = end;
     }
     matrix->block_start[matrix->particles] = kept;
 }
