@@ -163,6 +163,16 @@ class Trade(unittest.TestCase):
         self.assertIn("expected density", trade("--by", "colour", code=2))
         self.assertIn("--error or --budget", trade("--write", "x.json", code=2))
 
+    def test_errors_of_no_body(self):
+        """An error that no body can have would be 0 for every setting."""
+        for name, metric in (("hanging_cloth", "density"), ("hanging_cloth", "front"), ("dam_break", "cloth")):
+            scene = pathlib.Path(SCENE).parents[1] / "scenes" / f"{name}.json"
+            done = subprocess.run([PROJDYN, "trade", scene, "-o", OUT / "none", "--by", metric, *SMALL[-4:]],
+                                  capture_output=True, text=True, timeout=600)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(f'--by: found "{metric}", expected', done.stderr)
+            self.assertFalse((OUT / "none").exists())
+
 
 class TradeFixed(unittest.TestCase):
     """A fixed step of 8 ms, in frames of 20 ms: a run takes steps of 20/3 ms."""

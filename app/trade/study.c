@@ -9,6 +9,37 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- the scene ------------------------------------------------------------------------------- */
+
+/* Whether the scene has a body of particles, or one of another kind. */
+static bool has_body(const json_t *scene, bool of_particles) {
+    size_t k;
+    json_t *body;
+    json_array_foreach(json_object_get(scene, "bodies"), k,
+                       body) if (of_particles ==
+                                 (json_object_get(body, "particles") != NULL)) return true;
+    return false;
+}
+
+/* An error that no body of the scene can have is 0 for every setting, and would recommend any. */
+static int check_metric(const struct study *s) {
+    int metric = s->table.metric;
+    bool cloth = metric == RUN_METRIC_CLOTH;
+    if (!cloth && metric != RUN_METRIC_DENSITY && metric != RUN_METRIC_FRONT &&
+        metric != RUN_METRIC_PROFILE)
+        return EXIT_GOOD;
+    json_t *scene = NULL;
+    int code = scene_json(s->scope.user, &scene);
+    if (code == EXIT_GOOD && !has_body(scene, !cloth)) {
+        fprintf(stderr, "projdyn: --by: found \"%s\", expected %s, energy, gained or all: %s\n",
+                run_metric_names[metric], cloth ? "density, front, profile" : "cloth",
+                cloth ? "all bodies are of particles" : "no body is of particles");
+        code = EXIT_BAD_INPUT;
+    }
+    json_decref(scene);
+    return code;
+}
+
 /* Makes the plan in terms of the scene and the same plan in terms of the scope. */
 static int make_plans(struct study *s) {
     json_t *scene = NULL, *runs = NULL;
@@ -226,7 +257,8 @@ static int find_pareto_front(struct study *s) {
 /* ---- the study ------------------------------------------------------------------------------- */
 
 int study_run(struct study *s) {
-    int code = scope_find(&s->scope, &s->jobs, s->length, s->run_budget_s);
+    int code = check_metric(s);
+    if (code == EXIT_GOOD) code = scope_find(&s->scope, &s->jobs, s->length, s->run_budget_s);
     if (code == EXIT_GOOD && !s->jobs.quiet) scope_print(&s->scope);
     if (code == EXIT_GOOD) code = make_plans(s);
     s->table.frames_per_second = 1.0 / s->scope.window.scene_interval;
