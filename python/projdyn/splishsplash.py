@@ -2,8 +2,9 @@
 
 Converts fluid blocks, fluid models, emitters, walls, static and dynamic rigid bodies. Blocks have
 the particles of SPlisHSPlasH in dense mode 0, a cubic lattice: their first centre is a diameter
-from the start. What has no equal here is named in a list of notes: parameters of the solvers,
-viscosity and surface tension, whose quantities differ, other dense modes, particles in .bgeo files.
+from the start. What has no equal here is named in a list of notes: viscosity and surface tension,
+whose quantities differ, elasticity, joints, other dense modes, particles in .bgeo files. Parameters
+of the solvers and of pictures are left out without a note.
 """
 import argparse
 import json
@@ -14,6 +15,15 @@ from typing import Any
 
 IDENTITY = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
 STOP = 4.0  # s, of a scene without "stopAt"
+CONVERTED = {"Configuration", "Materials", "FluidBlocks", "FluidModels", "Emitters", "RigidBodies"}
+BOXES: dict[str, list[str]] = {"UnitBox.obj": [], "UnitBoxOpened.obj": ["+y"]}  # and open sides
+SOLVER = {"Simulation"}  # parameters alone
+MATERIAL = {  # key of a model of SPlisHSPlasH, and what to do instead
+    "viscosity": "viscosity is left out; the constraint \"viscosity\" (Pa s) adds it",
+    "surfaceTension": "surface tension is left out; the constraint \"surface_tension\" (N/m) adds it",
+    "elasticity": "elasticity is left out, and the body is a liquid; a \"volume\" with \"tet\" is elastic",
+    "vorticity": "the vorticity model is left out",
+    "drag": "the drag of the air is left out"}
 
 
 def rotation(entry: dict[str, Any]) -> list[list[float]]:
@@ -86,19 +96,26 @@ class Converter:
         kind = "mesh" if name.endswith(".obj") else "file"
         return self.moving(entry, {kind: self.path(name), **self.placed(entry)})
 
-    @staticmethod
-    def moving(entry: dict[str, Any], fill: dict[str, Any]) -> dict[str, Any]:
+    def moving(self, entry: dict[str, Any], fill: dict[str, Any]) -> dict[str, Any]:
         """The fill with the initial velocity of its entry."""
+        if any(entry.get("initialAngularVelocity", [0])):
+            self.notes.append("initialAngularVelocity of a fluid is left out")
         velocity = entry.get("initialVelocity", [0, 0, 0])
         return {**fill, "velocity": velocity} if any(velocity) else fill
 
     def emitter(self, entry: dict[str, Any]) -> dict[str, Any]:
-        """An emitter: it emits along its first axis; width and height count particles."""
+        """An emitter: it emits along its first axis; width and height count particles.
+
+        Older scenes have a "direction" instead of a rotation, and a velocity of three numbers."""
         turn, size = rotation(entry), 2.0 * self.radius
+        velocity = entry.get("velocity", 1)
         width, height = entry.get("width", 5), entry.get("height", 5)
         centre = entry.get("translation", [0, 0, 0])
         inlet = {"direction": [row[0] for row in turn], "up": [row[1] for row in turn],
-                 "speed": entry.get("velocity", 1), "start": entry.get("emitStartTime", 0)}
+                 "speed": velocity, "start": entry.get("emitStartTime", 0)}
+        if isinstance(velocity, list):
+            inlet.update(direction=velocity, speed=math.hypot(*velocity))
+            del inlet["up"]
         if entry.get("type", 0):
             inlet["disc"] = {"center": centre, "radius": width * self.radius}
         else:
@@ -119,33 +136,45 @@ class Converter:
         materials = {entry.get("id", "Fluid"): entry for entry in self.data.get("Materials", [])}
         bodies = []
         for name, shapes in parts.items():
-            density = materials.get(name, {}).get("density0", 1000)
-            bodies.append({"name": name, "particles": {"radius": self.radius,
-                                                       "rest_density": density, **shapes},
-                           "constraints": [{"type": "fluid"}]})
-        for name, material in materials.items():
-            if {"viscosityMethod", "viscosity", "surfaceTensionMethod"} & set(material):
-                self.notes.append(f"{name}: viscosity and surface tension are left out; constraints "
-                                  "\"viscosity\" (Pa s) and \"surface_tension\" (N/m) add them")
+            material = {**self.settings, **materials.get(name, {})}  # older scenes have no materials
+            particles = {"radius": self.radius, "rest_density": material.get("density0", 1000), **shapes}
+            if "inlets" in shapes and "maxEmitterParticles" in material:
+                particles["budget"] = material["maxEmitterParticles"]
+            bodies.append({"name": name, "particles": particles, "constraints": [{"type": "fluid"}]})
+            for key, text in MATERIAL.items():
+                if material.get(f"{key}Method", material.get(key)):
+                    self.notes.append(f"{name}: {text}")
         return bodies
+
+    def outlets(self) -> list[dict[str, Any]]:
+        """Boxes of emitters outside of which particles are used again: there they leave the scene."""
+        return [{"box": {"minimum": entry["emitterBoxMin"], "maximum": entry["emitterBoxMax"]},
+                 "outside": True}
+                for entry in [self.settings, *self.data.get("Materials", [])]
+                if self.data.get("Emitters") and entry.get("emitterReuseParticles")]
 
     def rigid(self, entry: dict[str, Any], number: int, scene: dict[str, Any]) -> None:
         """Adds a rigid body: a tank, a solid, or a dynamic body."""
-        name = os.path.basename(entry["geometryFile"])
-        shape = {"mesh": self.path(entry["geometryFile"]), **self.placed(entry)}
-        if entry.get("isDynamic"):
-            body = {**shape, "cell": 2.0 * self.radius, "density": entry.get("density", 1000)}
-            scene["bodies"].append({"name": f"rigid{number}", "rigid": body})
-            scene.setdefault("contact", {"thickness": 0.5 * self.radius,
-                                         "friction": entry.get("friction", 0.2)})
-        elif name == "UnitBox.obj" and rotation(entry) == IDENTITY:
-            half, at = [0.5 * a for a in shape["scale"]], shape["translate"]
+        name, place = os.path.basename(entry["geometryFile"]), self.placed(entry)
+        if entry.get("isAnimated"):
+            self.notes.append(f"{name}: the motion that a script gives is left out")
+        if not entry.get("isDynamic") and name in BOXES and rotation(entry) == IDENTITY:
+            half, at = [0.5 * a for a in place["scale"]], place["translate"]
             kind = "tank" if entry.get("isWall") else "box"
-            scene["solids"].append({"name": f"{kind}{number}", "box": {
+            scene["solids"].append({"name": f"{kind}{number}", "open": BOXES[name], "box": {
                 "minimum": [round(a - b, 9) for a, b in zip(at, half)],
                 "maximum": [round(a + b, 9) for a, b in zip(at, half)]}})
-        else:
+            return
+        shape = {"mesh": self.path(entry["geometryFile"]), **place}
+        if not entry.get("isDynamic"):
             scene["solids"].append({"name": f"solid{number}", **shape})
+            return
+        scene["bodies"].append({
+            "name": f"rigid{number}", "velocity": entry.get("velocity", [0, 0, 0]),
+            "rigid": {**shape, "cell": 2.0 * self.radius, "density": entry.get("density", 1000),
+                      "angular_velocity": entry.get("angularVelocity", [0, 0, 0])}})
+        scene.setdefault("contact", {"thickness": 0.5 * self.radius,
+                                     "friction": entry.get("friction", 0.2)})
 
     def convert(self) -> dict[str, Any]:
         """The scene as a dictionary."""
@@ -156,7 +185,10 @@ class Converter:
         scene = {"duration": settings.get("stopAt", STOP),
                  "frame_interval": round(1.0 / settings.get("dataExportFPS", 25), 9),
                  "gravity": settings.get("gravitation", [0, -9.81, 0]), "time_step": step,
-                 "bodies": self.fluids(), "solids": []}
+                 "bodies": self.fluids(), "solids": [], "outlets": self.outlets()}
+        self.notes += [f"{key} are left out" for key in self.data if key not in CONVERTED | SOLVER]
+        if settings.get("sim2D"):
+            self.notes.append("a scene of two dimensions: its blocks are filled in three")
         if "stopAt" not in settings:
             self.notes.append(f"the scene has no \"stopAt\": it lasts {STOP:g} s")
         for number, entry in enumerate(self.data.get("RigidBodies", [])):

@@ -59,7 +59,8 @@ class SplishSplash(unittest.TestCase):
         out = self.path.parent / "converted.json"
         done = self.convert(str(self.path), "-o", str(out))
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("viscosity and surface tension are left out", done.stderr)
+        self.assertIn("Oil: viscosity is left out", done.stderr)
+        self.assertNotIn("tension", done.stderr)
         scene = json.loads(out.read_text())
         self.assertEqual(scene["gravity"], [0, -9, 0])
         sim = projdyn.load(out)
@@ -72,6 +73,49 @@ class SplishSplash(unittest.TestCase):
         np.testing.assert_allclose(scene["bodies"][0]["particles"]["inlets"][0]["direction"],
                                    [0, -1, 0], atol=1e-12)
         self.assertAlmostEqual(sim.bodies["rigid2"].total_mass / 50, 1, delta=0.12)
+
+    def test_old_scenes(self):
+        """Materials in "Configuration", emitters with a direction, boxes without a file."""
+        old = {"Configuration": {"particleRadius": 0.1, "density0": 800, "viscosity": 5,
+                                 "maxEmitterParticles": 70, "emitterReuseParticles": True,
+                                 "emitterBoxMin": [-5, -5, -5], "emitterBoxMax": [5, 5, 5]},
+               "Emitters": [{"width": 4, "height": 2, "translation": [0, 1, 0], "direction": [0, -1, 0],
+                             "velocity": [0, -3, 0]}],
+               "RigidBodies": [{"geometryFile": "no/UnitBoxOpened.obj", "scale": [4, 4, 4]},
+                               {"geometryFile": "rock.obj", "isDynamic": 1, "velocity": [1, 0, 0],
+                                "translation": [3, 0, 0], "scale": [2, 2, 2]}],
+               "TargetVelocityMotorHingeJoints": [], "Simulation": {}}
+        self.path.write_text(json.dumps(old))
+        out = self.path.parent / "converted.json"
+        done = self.convert(str(self.path), "-o", str(out))
+        scene = json.loads(out.read_text())
+        water = scene["bodies"][0]["particles"]
+        self.assertEqual((water["rest_density"], water["budget"]), (800, 70))
+        self.assertEqual((water["inlets"][0]["direction"], water["inlets"][0]["speed"]), ([0, -3, 0], 3))
+        self.assertEqual(scene["solids"][0]["open"], ["+y"])
+        self.assertEqual(scene["outlets"], [{"outside": True, "box": {"minimum": [-5, -5, -5],
+                                                                       "maximum": [5, 5, 5]}}])
+        for text in ("Fluid: viscosity is left out", "MotorHingeJoints are left out"):
+            self.assertIn(text, done.stderr)
+        for text in ("Simulation", "UnitBox", "tension", "elastic"):
+            self.assertNotIn(text, done.stderr)
+        self.assertEqual(projdyn.load(out).bodies["rigid1"].velocity[0], 1)
+
+    def test_left_out(self):
+        converter = splishsplash.Converter({
+            "Configuration": {"sim2D": True},
+            "Materials": [{"id": "Jelly", "elasticityMethod": 3, "surfaceTensionMethod": 0,
+                           "surfaceTension": 0.2, "vorticityMethod": 1, "dragMethod": 2}],
+            "FluidBlocks": [{"id": "Jelly", "start": [0, 0, 0], "end": [1, 1, 1],
+                             "initialAngularVelocity": [0, 0, 1]}],
+            "RigidBodies": [{"geometryFile": "UnitBox.obj", "isAnimated": True}],
+            "AnimationFields": []}, "")
+        converter.convert()
+        notes = "\n".join(converter.notes)
+        for text in ("Jelly: elasticity is left out", "vorticity", "drag", "initialAngularVelocity",
+                     "UnitBox.obj: the motion", "AnimationFields are left out", "two dimensions"):
+            self.assertIn(text, notes)
+        self.assertNotIn("tension", notes)
 
     def test_rotations(self):
         for axis, angle in (([1, 2, 3], 0.7), ([0, 1, 0], math.pi / 2), ([0, -1, 0], 2),
