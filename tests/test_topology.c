@@ -157,6 +157,23 @@ static void test_topology_triangle(void **state) {
     topology_free(context, &t);
 }
 
+/* Two triangles of a square: joined, and with vertices of their own along the seam. A third
+ * triangle on the diagonal leaves it inside. */
+static void test_find_border(void **state) {
+    (void)state;
+    double vertex[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1};
+    int joined[] = {0, 1, 2, 0, 2, 3}, split[] = {0, 1, 2, 4, 5, 3},
+        three[] = {0, 1, 2, 0, 2, 3, 0, 2, 6};
+    static const int around[9] = {-1, 0, -1, -1, -1, 0, -1, -1, 0};
+    const struct mesh mesh[] = {
+        {7, vertex, 2, joined}, {7, vertex, 2, split}, {7, vertex, 3, three}};
+    for (int m = 0; m < 3; m++) {
+        int across[9];
+        assert_int_equal(mesh_find_border(context, &mesh[m], across), PDYN_OK);
+        assert_memory_equal(across, around, sizeof(int) * 3 * (size_t)mesh[m].triangles);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_grid),
@@ -164,6 +181,7 @@ int main(void) {
         cmocka_unit_test(test_topology_grid),
         cmocka_unit_test(test_topology_tetrahedron),
         cmocka_unit_test(test_topology_triangle),
+        cmocka_unit_test(test_find_border),
     };
     return cmocka_run_group_tests_name("topology", tests, set_up, tear_down);
 }

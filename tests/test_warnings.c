@@ -73,6 +73,21 @@ static void test_border(void **state) {
     assert_int_equal(leaks(SHIFTED("0.0125"), "sheet", 8), DUST_COUNT / 3);
 }
 
+#define WALL                                                                                       \
+    "{'name': 'wall', 'plane': {'center': [0.085, 0, 0], 'normal': [0, 1, 0], 'size': 0.16}}"
+
+/* The same beside a solid, whose border lies at x = 0.005: a sixth of the dust is closer to it than
+ * a radius. A plate below its border closes it, so that nothing goes around. */
+static void test_rim(void **state) {
+    (void)state;
+#define BESIDE(more) SCENE(WEIGHTLESS, DUST("0, -2, 0"), ", 'solids': [" WALL more "]")
+    assert_int_equal(leaks(BESIDE(""), "wall", 8), DUST_COUNT / 3);
+    assert_int_equal(leaks(BESIDE(", {'name': 'plate', 'plane': {'center': [0, -0.08, 0], "
+                                  "'normal': [1, 0, 0], 'size': 0.16}}"),
+                           "wall", 8),
+                     DUST_COUNT / 2);
+}
+
 /* Dust that is thrown up through the sheet and falls back is on its side again. */
 static void test_return(void **state) {
     (void)state;
@@ -793,6 +808,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sheet),
         cmocka_unit_test(test_border),
+        cmocka_unit_test(test_rim),
         cmocka_unit_test(test_return),
         cmocka_unit_test(test_two_sheets),
         cmocka_unit_test(test_long_name),

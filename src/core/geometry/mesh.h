@@ -156,6 +156,10 @@ struct topology {
 pdyn_status topology_build(pdyn_context *context, const struct mesh *mesh, struct topology *out);
 void topology_free(pdyn_context *context, struct topology *topology);
 
+/* Finds the border of any mesh, where vertices at the same place count as one. across: triangles x
+ * 3, for each corner -1 if no other triangle has the side opposite to it, else 0. */
+pdyn_status mesh_find_border(pdyn_context *context, const struct mesh *mesh, int *across);
+
 /* Writes the edges of a mesh, each once, as pairs of vertices that count from `first`. edge: room
  * for 3 x triangles pairs. Returns the number of edges. */
 int mesh_edges(const struct mesh *mesh, int first, int *edge);

@@ -239,6 +239,43 @@ pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh
     return PDYN_OK;
 }
 
+/* For each vertex a vertex at its place, the same one for all that lie there. NULL: no memory. */
+static int *vertex_of_place(pdyn_context *context, const struct mesh *mesh) {
+    int *order = NEW_ARRAY(context, mesh->vertices, int);
+    int *place = NEW_ARRAY(context, mesh->vertices, int);
+    if (order && place) {
+        for (int i = 0; i < mesh->vertices; i++) order[i] = i;
+        qsort_r(order, (size_t)mesh->vertices, sizeof *order, compare_positions, mesh->vertex);
+        for (int i = 0; i < mesh->vertices; i++) {
+            bool same = i && !compare_positions(order + i - 1, order + i, mesh->vertex);
+            place[order[i]] = same ? place[order[i - 1]] : order[i];
+        }
+    } else FREE_ARRAY(context, place, mesh->vertices);
+    FREE_ARRAY(context, order, mesh->vertices);
+    return place;
+}
+
+pdyn_status mesh_find_border(pdyn_context *context, const struct mesh *mesh, int *across) {
+    int sides = 3 * mesh->triangles, last;
+    struct mesh joined = *mesh;
+    struct side *side = NULL;
+    int *place = vertex_of_place(context, mesh);
+    joined.triangle = NEW_ARRAY(context, sides, int);
+    if (place && joined.triangle) {
+        for (int i = 0; i < sides; i++) joined.triangle[i] = place[mesh->triangle[i]];
+        side = sorted_sides(context, &joined);
+    }
+    for (int first = 0; side && first < sides; first = last) {
+        last = edge_end(side, sides, first);
+        for (int i = first; i < last; i++) across[side[i].corner] = last - first == 1 ? -1 : 0;
+    }
+    FREE_ARRAY(context, place, mesh->vertices);
+    FREE_ARRAY(context, joined.triangle, sides);
+    if (!side) return PDYN_NO_MEMORY;
+    FREE_ARRAY(context, side, sides);
+    return PDYN_OK;
+}
+
 /* ---- topology -------------------------------------------------------------------------------- */
 
 static bool resize_arrays(pdyn_context *context, struct topology *t, enum array_action action) {

@@ -37,12 +37,13 @@ static bool is_inside(const double x[3], double corner[3][3], const double n[3])
     return true;
 }
 
-struct border_search { /* for a border edge close to a point */
+struct border_search { /* for a border edge close to a point, then for what closes it */
     const struct crossing_path *path;
     int surface;
     double t;
     const double *x;
-    bool found;
+    double place[3]; /* the point of the border edge that is closest to x */
+    bool found, closed;
 };
 
 static void test_border(void *user, int k) {
@@ -52,22 +53,45 @@ static void test_border(void *user, int k) {
     double corner[3][3], n[3], weight[4];
     if (s->found || set->surface[k] != s->surface) return;
     plane_at(s->path, k, s->t, corner, n);
-    for (int i = 0; i < 3; i++) {
-        const double *side[4] = {s->x, s->x, corner[(i + 1) % 3], corner[(i + 2) % 3]};
-        if (across[3 * (size_t)set->triangle[k] + (size_t)i] < 0 &&
-            closest_edge_edge(side, weight) < s->path->radius * s->path->radius)
-            s->found = true;
+    for (int i = 0; i < 3 && !s->found; i++) {
+        const double *a = corner[(i + 1) % 3], *b = corner[(i + 2) % 3];
+        const double *side[4] = {s->x, s->x, a, b};
+        if (across[3 * (size_t)set->triangle[k] + (size_t)i] >= 0) continue;
+        s->found = closest_edge_edge(side, weight) < s->path->radius * s->path->radius;
+        for (int axis = 0; axis < 3; axis++)
+            s->place[axis] = -weight[2] * a[axis] - weight[3] * b[axis];
     }
 }
 
+/* Another surface within the particle's radius of the border closes it. */
+static void test_closed(void *user, int k) {
+    struct border_search *s = user;
+    double corner[3][3], n[3], weight[4];
+    if (s->closed || s->path->set->surface[k] == s->surface) return;
+    plane_at(s->path, k, s->t, corner, n);
+    const double *face[4] = {s->place, corner[0], corner[1], corner[2]};
+    s->closed = closest_vertex_face(face, weight) < s->path->radius * s->path->radius;
+}
+
+static bool is_closed(struct border_search s) {
+    struct box box = box_of_ball(s.place, s.path->radius);
+    struct crossing_path path = *s.path;
+    const struct swept_triangles *sets[] = {&path.swept->resting, &path.swept->moving};
+    for (int k = 0; k < 2; k++) {
+        path.set = sets[k], s.path = &path;
+        bvh_visit(&path.set->tree, &box, 0, test_closed, &s);
+    }
+    return s.closed;
+}
+
 /* Closer to the border of the surface than the particle's radius: the particle goes around. The
- * border edge may belong to another triangle than k. */
+ * border edge may belong to another triangle than k. The border of a solid that another surface
+ * closes, as that of a wall on a floor, is none. */
 static bool is_on_border(const struct crossing_path *path, int k, double t, const double x[3]) {
     struct border_search s = {.path = path, .surface = path->set->surface[k], .t = t, .x = x};
     struct box box = box_of_ball(x, path->radius);
-    if (!path->swept->surface[s.surface].across) return false;
     bvh_visit(&path->set->tree, &box, 0, test_border, &s);
-    return s.found;
+    return s.found && !(path->swept->surface[s.surface].is_solid && is_closed(s));
 }
 
 /* The direction in which a particle passes a plane, +1 along its normal; 0: it does not. slack and

@@ -197,7 +197,7 @@ void crossings_warn(struct pdyn_sim *sim) {
                                                    : (count == 1 ? "vertex" : "vertices");
         warnings_say(sim->context, w, "%ld %s%s of \"%s\" passed through this %s by %.3g s", count,
                      what, most < count ? ", most" : "", body->name,
-                     swept_is_solid(&c->swept, s) ? "solid" : "body", sim->time);
+                     c->swept.surface[s].is_solid ? "solid" : "body", sim->time);
     }
 }
 

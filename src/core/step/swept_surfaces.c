@@ -15,8 +15,9 @@ static bool resize_set(pdyn_context *context, struct swept_triangles *set,
 
 static bool resize_solid(pdyn_context *context, struct swept_surface *s, enum array_action action) {
     const size_t count = s->moves ? 3 * (size_t)s->vertices : 0;
+    const size_t sides = s->is_solid ? 3 * (size_t)s->triangles : 0;
     const struct array_entry table[] = {ARRAY(s->placed, count), ARRAY(s->pose[0], count),
-                                        ARRAY(s->pose[1], count)};
+                                        ARRAY(s->pose[1], count), ARRAY(s->own_across, sides)};
     return context_arrays(context, table, ARRAY_ROWS(table), action);
 }
 
@@ -24,6 +25,7 @@ static pdyn_status add_solid(struct pdyn_sim *sim, struct swept_surface *s,
                              const struct scene_solid *solid) {
     const struct mesh *mesh = &solid->mesh;
     *s = (struct swept_surface){.name = solid->name,
+                                .is_solid = true,
                                 .triangle = mesh->triangle,
                                 .triangles = mesh->triangles,
                                 .vertices = mesh->vertices,
@@ -34,7 +36,8 @@ static pdyn_status add_solid(struct pdyn_sim *sim, struct swept_surface *s,
     for (int k = 0; s->moves && k < 3 * s->vertices; k++)
         s->placed[k] = mesh->vertex[k] - solid->motion.pivot[k % 3];
     if (s->moves) s->begin = s->pose[0], s->end = s->pose[1];
-    return PDYN_OK;
+    s->across = s->own_across;
+    return mesh_find_border(sim->context, mesh, s->own_across);
 }
 
 static pdyn_status list_surfaces(struct pdyn_sim *sim, bool bodies, struct swept_surfaces *swept) {

@@ -10,8 +10,10 @@ struct pdyn_sim;
 
 struct swept_surface { /* of a body or a solid */
     const char *name;
+    bool is_solid;
     const int *triangle; /* triangles x 3 */
-    const int *across;   /* triangles x 3: -1 for a side on the border; NULL for a solid */
+    const int *across;   /* triangles x 3: -1 for a side on the border */
+    int *own_across;     /* the same array, of a solid; else NULL */
     int triangles, vertices;
     const double *begin, *end;       /* vertices x 3, m: at the two ends of the step */
     const struct scene_solid *moves; /* the solid with prescribed motion, or NULL */
@@ -38,10 +40,5 @@ void swept_surfaces_free(pdyn_context *context, struct swept_surfaces *swept);
 
 /* Moves the surfaces: bodies from sim->x to sim->x_next, solids in a step of length h, s. */
 void swept_surfaces_step(const struct pdyn_sim *sim, struct swept_surfaces *swept, double h);
-
-/* Whether surface s is that of a solid. */
-static inline bool swept_is_solid(const struct swept_surfaces *swept, int s) {
-    return s >= swept->count - swept->solids;
-}
 
 #endif
