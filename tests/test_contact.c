@@ -230,6 +230,25 @@ static void test_sphere_long(void **state) {
     run_apart(scene("", DOWN, CLOTH_AT(17, 0.2), BALL ", " FLOOR), 60);
 }
 
+/* Steps of 0.2 s would take the sheet 0.39 m down, a hundred times the thickness: it gets over the
+ * ball to rest, and does not hang in the air. */
+static void test_long_steps(void **state) {
+    (void)state;
+    const char *set[] = {"time_step={\"fixed\": 0.2, \"integrator\": \"euler\"}",
+                         "frame_interval=0.2", "solver.tolerance=0.1"};
+    pdyn_context *c = test_context(1);
+    pdyn_sim *sim = NULL;
+    pdyn_step_info info = {0};
+    assert_int_equal(pdyn_load_text(c, scene("", DOWN, CLOTH_AT(13, 0.18), BALL ", " FLOOR), "test",
+                                    set, 3, &sim),
+                     PDYN_OK);
+    for (int k = 0; k < 8; k++) info = test_step(c, sim), assert_apart(sim);
+    assert_true(info.step_residual <= 0.1);
+    assert_true(sim->x[1] < -0.07); /* a corner */
+    pdyn_free(sim);
+    pdyn_destroy(c);
+}
+
 /* Falls on its edge, and on itself. */
 static void test_fold_long(void **state) {
     (void)state;
@@ -734,6 +753,7 @@ int main(void) {
         cmocka_unit_test(test_solvers),
         cmocka_unit_test(test_steps),
         cmocka_unit_test(test_sphere_long),
+        cmocka_unit_test(test_long_steps),
         cmocka_unit_test(test_fold_long),
         cmocka_unit_test(test_stack),
         cmocka_unit_test(test_impact_long),

@@ -5,8 +5,6 @@
 
 #include "sim.h"
 
-enum { BACKTRACKS = 6 }; /* shorter and shorter displacements that are tried at most */
-
 /* Sets sim->max_step for displacements from x. */
 pdyn_status iterate_update_limits(struct pdyn_sim *sim, const double *x);
 

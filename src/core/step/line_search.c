@@ -95,6 +95,11 @@ static pdyn_status lengthen(struct pdyn_sim *sim, double *energy, struct line_st
     return PDYN_OK;
 }
 
+/* Lengths that are tried at most, down to 2e-6 of the direction. In contact even the whole
+ * thickness may be a thousandth of what gravity moves in a long step; with 6 lengths sheets hung in
+ * the air. */
+enum { LENGTHS = 20 };
+
 /* Takes x_next + direction, halved until the rule accepts it. In contact every point goes as far as
  * its path is free; a shorter direction stops fewer of them. */
 static pdyn_status backtrack(struct pdyn_sim *sim, const struct rule *rule, double *energy,
@@ -103,15 +108,14 @@ static pdyn_status backtrack(struct pdyn_sim *sim, const struct rule *rule, doub
     double trial, least = objective->contact || sim->max_step ? 0.0 : 1.0;
     *step = (struct line_step){.length = 1.0,
                                .slope = objective_dot(objective, sim->gradient, sim->direction)};
-    for (int k = 1; k <= BACKTRACKS;
-         k++, step->length = iterate_shorter_part(step->length, least)) {
+    for (int k = 1; k <= LENGTHS; k++, step->length = iterate_shorter_part(step->length, least)) {
         double slope = step->slope;
         pdyn_status status = set_trial(sim, step->length, &least, &slope);
         if (status == PDYN_OK)
             status = objective_local(objective, sim->trial, &trial, sim->trial_gradient);
         if (status != PDYN_OK) return status;
         step->slope_after = objective_dot(objective, sim->trial_gradient, sim->direction);
-        if (is_accepted(rule, step, trial, slope, step->length <= least, k == BACKTRACKS)) {
+        if (is_accepted(rule, step, trial, slope, step->length <= least, k == LENGTHS)) {
             iterate_accept_trial(sim);
             *energy = trial;
             return PDYN_OK;

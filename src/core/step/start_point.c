@@ -74,6 +74,8 @@ static double inertial_energy_at_begin(struct pdyn_sim *sim) {
     return sum;
 }
 
+enum { SHORTER_STARTS = 6 }; /* that are tried before the step starts at the state itself */
+
 /* Starts at s. Where surfaces are in the way, starts so far before s that E is not above its value
  * at the state: particles that a surface has stopped must not be compressed by those behind them.
  */
@@ -84,7 +86,7 @@ static pdyn_status start_inertia(struct pdyn_sim *sim, double *energy) {
         return status;
     status = start_between(sim, 0.0, &bound);
     double part = *energy > bound ? iterate_shorter_part(1.0, least) : 1.0;
-    for (int k = 0; status == PDYN_OK && k < BACKTRACKS;
+    for (int k = 0; status == PDYN_OK && k < SHORTER_STARTS;
          k++, part = iterate_shorter_part(part, least)) {
         status = start_between(sim, part, energy);
         if (!(*energy > bound)) return status;
