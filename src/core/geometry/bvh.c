@@ -102,9 +102,9 @@ static int owner_of(const struct box_group *group) {
 static struct box bounds_of(const struct box_group *group) {
     struct box box = box_empty;
     for (int a = 0; a < 3; a++)
-        for (int k = 0; k < BVH_WIDTH; k++) {
-            box.min[a] = fmin(box.min[a], group->min[a][k]);
-            box.max[a] = fmax(box.max[a], group->max[a][k]);
+        for (int k = 0; k < BVH_WIDTH; k++) { /* fmin would be a call, for its rule of NaN */
+            if (group->min[a][k] < box.min[a]) box.min[a] = group->min[a][k];
+            if (group->max[a][k] > box.max[a]) box.max[a] = group->max[a][k];
         }
     return box;
 }
