@@ -286,7 +286,7 @@ int print_time_estimate(const pdyn_context *context, pdyn_sim *sim) {
     if (!whole) {
         printf(" if all is like the first %.2g s", pdyn_time(sim));
         if (may_meet(sim))
-            printf(", and up to 20 times as long where bodies and fluids meet later");
+            printf(", and up to 20 times as long where a surface meets another or a fluid later");
     }
     printf("\n");
     return EXIT_GOOD;
