@@ -7,6 +7,7 @@ void factor_start(struct factor *f, const pdyn_services *services) {
     f->services = services;
     cholmod_start(&f->common);
     f->common.print = 0;
+    f->common.method[0].ordering = CHOLMOD_AMD, f->common.method[1].ordering = CHOLMOD_METIS;
 }
 
 void factor_end(struct factor *f) {
@@ -44,35 +45,23 @@ static cholmod_sparse sparse_view(const pdyn_matrix *m) {
                             .packed = 1};
 }
 
-/* Minimum degree is quick to find; nested dissection takes ten times as long and gives smaller
- * factors of large sheets. */
-static void choose_orderings(cholmod_common *common, bool lasting) {
-    common->nmethods = lasting ? 2 : 1;
-    common->method[0].ordering = CHOLMOD_AMD;
-    common->method[1].ordering = CHOLMOD_METIS;
-}
-
-/* Right-hand sides as columns: x, y and z of all particles where dim is 1, one column otherwise. */
-static pdyn_status reserve_rhs(struct factor *f) {
-    size_t columns = f->dim == 1 ? 3 : 1;
-    if (f->rhs && f->rhs->nrow == (size_t)f->size && f->rhs->ncol == columns) return PDYN_OK;
-    cholmod_free_dense(&f->rhs, &f->common);
-    f->rhs =
-        cholmod_allocate_dense((size_t)f->size, columns, (size_t)f->size, CHOLMOD_REAL, &f->common);
-    return f->rhs ? PDYN_OK : fail(f, "make room for");
-}
-
 pdyn_status factor_analyse(struct factor *f, const pdyn_matrix *m, bool lasting) {
     cholmod_sparse A = sparse_view(m);
+    size_t n = (size_t)m->size;
     f->dim = m->dim, f->size = m->size;
+    /* minimum degree is quick to find; nested dissection takes ten times as long and gives smaller
+     * factors of large sheets */
+    f->common.nmethods = lasting ? 2 : 1;
     /* a large factor is quick to compute by supernodes; at dim 1 it is too sparse for solves by
      * dense kernels, and becomes a simplicial one without the zeros of supernodes */
     f->common.final_asis = false, f->common.final_super = m->dim == 3;
     f->common.final_resymbol = m->dim == 1;
-    choose_orderings(&f->common, lasting);
     cholmod_free_factor(&f->analysed, &f->common);
     f->analysed = cholmod_analyze(&A, &f->common);
-    return f->analysed ? reserve_rhs(f) : fail(f, "analyse");
+    /* columns: x, y and z of all particles where dim is 1 */
+    cholmod_free_dense(&f->rhs, &f->common);
+    f->rhs = cholmod_allocate_dense(n, m->dim == 1 ? 3 : 1, n, CHOLMOD_REAL, &f->common);
+    return f->analysed && f->rhs ? PDYN_OK : fail(f, "analyse");
 }
 
 /* Of the OpenMP library of CHOLMOD; NULL: a CHOLMOD without OpenMP. */
@@ -82,11 +71,10 @@ void omp_set_max_active_levels(int levels) __attribute__((weak));
 /* CHOLMOD factors supernodes with four threads of its own, which no variable but OMP_THREAD_LIMIT
  * changes. Without active levels OpenMP makes none: a run has the threads that it is given. */
 static bool factorize_on_this_thread(cholmod_sparse *A, struct factor *f) {
-    if (!omp_set_max_active_levels) return cholmod_factorize(A, f->factor, &f->common);
-    int levels = omp_get_max_active_levels();
-    omp_set_max_active_levels(0);
+    int levels = omp_set_max_active_levels ? omp_get_max_active_levels() : 0;
+    if (levels) omp_set_max_active_levels(0);
     bool good = cholmod_factorize(A, f->factor, &f->common);
-    omp_set_max_active_levels(levels);
+    if (levels) omp_set_max_active_levels(levels);
     return good;
 }
 
