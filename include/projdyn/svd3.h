@@ -19,14 +19,13 @@ static inline void svd3_rotate(double A[3][3], int i, int j, double right[3][3])
     double ratio = (A[j][j] - A[i][i]) / (2.0 * A[i][j]);
     double t = copysign(1.0, ratio) / (fabs(ratio) + sqrt(1.0 + ratio * ratio));
     double c = 1.0 / sqrt(1.0 + t * t), s = t * c;
-    for (int k = 0; k < 3; k++) {
-        double a = A[k][i], v = right[i][k];
-        A[k][i] = c * a - s * A[k][j], A[k][j] = s * a + c * A[k][j];
-        right[i][k] = c * v - s * right[j][k], right[j][k] = s * v + c * right[j][k];
-    }
-    for (int k = 0; k < 3; k++) {
-        double a = A[i][k];
-        A[i][k] = c * a - s * A[j][k], A[j][k] = s * a + c * A[j][k];
+    int k = 3 - i - j; /* the third axis */
+    double a = A[k][i], b = A[k][j];
+    A[i][i] -= t * A[i][j], A[j][j] += t * A[i][j], A[i][j] = A[j][i] = 0.0;
+    A[k][i] = A[i][k] = c * a - s * b, A[k][j] = A[j][k] = s * a + c * b;
+    for (k = 0; k < 3; k++) {
+        a = right[i][k], b = right[j][k];
+        right[i][k] = c * a - s * b, right[j][k] = s * a + c * b;
     }
 }
 
