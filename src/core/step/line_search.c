@@ -95,10 +95,9 @@ static pdyn_status lengthen(struct pdyn_sim *sim, double *energy, struct line_st
     return PDYN_OK;
 }
 
-/* Lengths that are tried at most, down to 2e-6 of the direction. In contact even the whole
- * thickness may be a thousandth of what gravity moves in a long step; with 6 lengths sheets hung in
- * the air. */
-enum { LENGTHS = 20 };
+/* Lengths that are tried at most, down to 1/512 of the direction. In contact the thickness may be a
+ * hundredth of what gravity moves in a long step: with 8 lengths a sheet hung in the air. */
+enum { LENGTHS = 10 };
 
 /* Takes x_next + direction, halved until the rule accepts it. In contact every point goes as far as
  * its path is free; a shorter direction stops fewer of them. */
