@@ -128,6 +128,34 @@ static void test_slot(void **state) {
     pdyn_destroy(context);
 }
 
+/* Height of the box over a floor that rises at a speed, m/s, after a second. */
+static double height_over(double speed) {
+    pdyn_context *context = test_context(1);
+    char text[1024];
+    snprintf(
+        text, sizeof text,
+        "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': 0.005}, 'contact': "
+        "{'thickness': 0.004}, 'bodies': [" BOX ", 'velocity': [0, %g, 0]}], 'solids': "
+        "[{'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 2}, 'motion': [{'time': "
+        "0}, {'time': 1, 'translate': [0, %g, 0]}]}]}",
+        speed, speed);
+    pdyn_sim *sim = test_load(context, text);
+    step_to(context, sim, 1.0);
+    double height = mean_of(sim, sim->x, 1) - speed;
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return height;
+}
+
+/* Dashpots damp the motion relative to a floor: a lift at constant speed carries the box as a floor
+ * at rest does. */
+static void test_lift(void **state) {
+    (void)state;
+    double rest = height_over(0.0), lifted = height_over(0.2);
+    print_message("over the floor %.6f m, over a lift %.6f m\n", rest, lifted);
+    assert_true(fabs(lifted - rest) < 1e-6);
+}
+
 /* ---- the dashpots ---------------------------------------------------------------------------- */
 
 /* Moves the box at rest by a distance along the normal and by turns, 1 mm at its corners. */
@@ -173,8 +201,8 @@ static void test_energy(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_slope), cmocka_unit_test(test_roll),
-                                       cmocka_unit_test(test_rebound), cmocka_unit_test(test_slot),
-                                       cmocka_unit_test(test_energy)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_slope), cmocka_unit_test(test_roll), cmocka_unit_test(test_rebound),
+        cmocka_unit_test(test_slot),  cmocka_unit_test(test_lift), cmocka_unit_test(test_energy)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
