@@ -168,8 +168,16 @@ static void test_tank(void **state) {
     pdyn_destroy(c);
 }
 
+/* Centre of mass of all particles. */
+static void centre_of(const pdyn_sim *sim, double centre[3]) {
+    double mass = mass_of(sim);
+    memset(centre, 0, 3 * sizeof *centre);
+    for (int i = 0; i < sim->objective.particles; i++)
+        vec3_add(centre, sim->objective.mass[i] / mass, sim->x + 3 * i);
+}
+
 /* Impacts under BDF2 in weightlessness: the impulse of the loads, and that of the body's probe, is
- * the momentum that the body loses. */
+ * the momentum that the body loses; by symmetry the load acts below the centre of the body. */
 static void assert_impulse(const char *contact, double speed, double error, const char *bodies) {
     char head[512];
     pdyn_context *c = test_context(2);
@@ -181,13 +189,15 @@ static void assert_impulse(const char *contact, double speed, double error, cons
     pdyn_sim *sim = test_load(c, scene(head, bodies,
                                        "{'name': 'floor', 'box': {'minimum': [-0.4, -0.1, -0.4], "
                                        "'maximum': [0.7, 0, 0.7]}}"));
-    double impulse = 0.0, pushed = 0.0, brought = speed * mass_of(sim);
+    double impulse = 0.0, turned[3] = {0}, pushed = 0.0, brought = speed * mass_of(sim), centre[3];
+    centre_of(sim, centre);
     struct total load;
     pdyn_step_info info;
     do {
         info = test_step(c, sim);
         get(sim, 0, &load);
         impulse -= info.h * load.force[1];
+        vec3_add(turned, info.h, load.moment);
         pushed += info.h * pdyn_get_probe(sim, 0).value[1];
     } while (info.time < 0.4);
     double lost = brought + info.momentum[1];
@@ -195,6 +205,8 @@ static void assert_impulse(const char *contact, double speed, double error, cons
                   pushed / lost);
     assert_true(lost > 0.5 * brought && fabs(impulse / lost - 1.0) < error);
     assert_true(fabs(pushed / lost - 1.0) < error);
+    assert_true(fabs(turned[0] - centre[2] * impulse) < 0.005 * centre[2] * impulse);
+    assert_true(fabs(turned[2] + centre[0] * impulse) < 0.005 * centre[0] * impulse);
     pdyn_free(sim);
     pdyn_destroy(c);
 }
@@ -290,12 +302,11 @@ static void assert_carries(const char *body, const char *integrator, double angl
     double g[3] = {G * sin(angle), -G * cos(angle), 0.0}, moment[3];
     snprintf(head, sizeof head, LYING, integrator, g[0], g[1], angle > 0.0 ? 0.8 : 0.0);
     pdyn_sim *sim = test_load(c, scene(head, body, FLOOR));
-    double mass = mass_of(sim), center[3] = {0};
+    double centre[3];
     struct total mean = mean_load(c, sim, 0, 1.0, 1.5);
-    for (int i = 0; i < sim->objective.particles; i++)
-        vec3_add(center, sim->objective.mass[i] / mass, sim->x + 3 * i);
-    for (int a = 0; a < 3; a++) g[a] *= mass;
-    vec3_cross(moment, center, g);
+    centre_of(sim, centre);
+    for (int a = 0; a < 3; a++) g[a] *= mass_of(sim);
+    vec3_cross(moment, centre, g);
     double off = vec3_distance(mean.force, g) / vec3_length(g);
     double turned = vec3_distance(mean.moment, moment) / vec3_length(moment);
     print_message("%s, %g rad: weight missed by %.2g, its moment by %.2g\n", integrator, angle, off,
