@@ -3,6 +3,7 @@
 
 #include "base/registry.h"
 
+#include "projdyn/probe.h"
 #include "projdyn/vec3.h"
 
 #include <string.h>
@@ -20,6 +21,16 @@
                           "'area_density': 0.2, 'fluid_friction': 2", SPRINGS("100"))),            \
           "")
 
+/* Friction with a fluid is a load by the fluid, not by contact. */
+static void assert_load_of_fluid(const pdyn_sim *sim) {
+    double all[3], fluid[3], contact[3], moment[3];
+    assert_int_equal(pdyn_body_load_by(sim, 1, PDYN_LOAD_ALL, all, moment), PDYN_OK);
+    assert_int_equal(pdyn_body_load_by(sim, 1, PDYN_LOAD_FLUID, fluid, moment), PDYN_OK);
+    assert_int_equal(pdyn_body_load_by(sim, 1, PDYN_LOAD_CONTACT, contact, moment), PDYN_OK);
+    assert_true(vec3_length(all) > 0.0 && vec3_length(contact) == 0.0);
+    assert_true(vec3_distance(all, fluid) < 1e-9 * vec3_length(all));
+}
+
 /* Runs the scene; returns the sheet's mean velocity along the stream after `steps`. */
 static double carried(const char *text, int threads, int steps, double *x) {
     pdyn_context *context = test_context(threads);
@@ -34,6 +45,7 @@ static double carried(const char *text, int threads, int steps, double *x) {
         mass += sim->objective.mass[i];
     }
     assert_true(fabs(across / mass) < 1e-3);
+    assert_load_of_fluid(sim);
     if (x) memcpy(x, sim->x, 3 * (size_t)sim->objective.particles * sizeof *x);
     pdyn_free(sim);
     pdyn_destroy(context);
