@@ -56,6 +56,36 @@ static void test_free_fall(void **state) {
     }
 }
 
+/* ---- viscosity of the fluid ------------------------------------------------------------------ */
+
+/* The part of their speed that two particles of water, which approach each other by less than 2 %,
+ * keep in 50 steps; the viscosity of "fluid" acts on velocities between steps. */
+static double kept_speed(int kind) {
+    char text[1024];
+    snprintf(text, sizeof text,
+             "{'duration': 1, 'frame_interval': 1, 'gravity': [0, 0, 0], 'time_step': {'fixed': "
+             "0.001, 'integrator': '%s'}, 'bodies': [{'particles': {'radius': 0.01, 'fill': "
+             "[{'box': {'minimum': [0, 0, 0], 'maximum': [0.04, 0.02, 0.02]}}]}, 'constraints': "
+             "[{'type': 'fluid', 'viscosity': 0.05}]}]}",
+             integrator[kind]);
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, text);
+    assert_int_equal(sim->objective.particles, 2);
+    sim->v[0] = 0.005, sim->v[3] = -0.005;
+    for (int n = 0; n < 50; n++) test_step(context, sim);
+    double kept = (sim->v[0] - sim->v[3]) / 0.01;
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return kept;
+}
+
+static void test_fluid_viscosity(void **state) {
+    (void)state;
+    double euler = kept_speed(EULER), bdf2 = kept_speed(BDF2);
+    print_message("kept speed: euler %.5f, bdf2 %.5f\n", euler, bdf2);
+    assert_true(euler > 0.1 && euler < 0.9 && fabs(log(bdf2) / log(euler) - 1.0) < 0.03);
+}
+
 /* ---- order ----------------------------------------------------------------------------------- */
 
 /* end: position of a corner of a triangle on springs that rotates, oscillates and falls, after 0.8
@@ -210,9 +240,9 @@ static void test_splash(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_fall), cmocka_unit_test(test_order),
-        cmocka_unit_test(test_no_bounce), cmocka_unit_test(test_held_sheet),
-        cmocka_unit_test(test_splash),
+        cmocka_unit_test(test_free_fall),  cmocka_unit_test(test_fluid_viscosity),
+        cmocka_unit_test(test_order),      cmocka_unit_test(test_no_bounce),
+        cmocka_unit_test(test_held_sheet), cmocka_unit_test(test_splash),
     };
     return cmocka_run_group_tests_name("integrator", tests, test_enter_directory,
                                        test_leave_directory);
