@@ -165,11 +165,42 @@ static void test_settled_tank(void **state) {
     pdyn_destroy(own);
 }
 
+/* Means of the density error and of the energy, J, of shallow water from 0.5 to 1 s. */
+static void settle(const char *text, double mean[2]) {
+    pdyn_context *own = test_context(1);
+    pdyn_sim *sim = test_load(own, text);
+    double time = 0.0;
+    mean[0] = mean[1] = 0.0;
+    while (pdyn_time(sim) < 1.0) {
+        pdyn_step_info info = test_step(own, sim);
+        if (info.time < 0.5) continue;
+        time += info.h;
+        mean[0] += info.h * info.density_error_mean, mean[1] += info.h * info.constraint_energy;
+    }
+    mean[0] /= time, mean[1] /= time;
+    pdyn_free(sim);
+    pdyn_destroy(own);
+}
+
+#define SHALLOW(damping)                                                                           \
+    FLUID(BOX_OF("0.01", "0.16", "0.1"),                                                           \
+          "'sound_speed': 20, 'viscosity': 0.3, 'damping': " damping, TANK("0"))
+
+/* Damping acts on what changes: water at rest has the same compression and energy with it. */
+static void test_damped_tank(void **state) {
+    (void)state;
+    double without[2], with[2];
+    settle(SHALLOW("0"), without), settle(SHALLOW("0.004"), with);
+    print_message("%g and %g, %g and %g J\n", without[0], with[0], without[1], with[1]);
+    for (int k = 0; k < 2; k++) assert_true(fabs(with[k] / without[k] - 1.0) < 0.02);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_formula),
         cmocka_unit_test(test_default),
         cmocka_unit_test(test_settled_tank),
+        cmocka_unit_test(test_damped_tank),
     };
     return cmocka_run_group_tests_name("fluid_stiffness", tests, scene_set_up, scene_tear_down);
 }
