@@ -65,6 +65,31 @@ static void test_carried(void **state) {
     assert_true(fabs(carried(STREAM("bdf2", UPPER), 2, 20, NULL) / exact - 1.0) < 0.005);
 }
 
+/* Friction coefficient times wet area, both sides together, after a step, N s/m. */
+static double friction_rate(pdyn_context *context, pdyn_sim *sim) {
+    double sum = 0.0;
+    test_step(context, sim);
+    const pdyn_wet_sides *wet = &sim->objective.wet_sides->view;
+    for (int e = 0; e < wet->count; e++) sum += wet->side[e].along;
+    return sum;
+}
+
+/* The area is that of the stretched sheet. */
+static void test_stretched(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, STREAM("euler", UPPER ", " LOWER));
+    const pdyn_body *sheet = &sim->body[1];
+    double rest = friction_rate(context, sim);
+    for (int i = sheet->first; i < sheet->first + sheet->count; i++) sim->x[3 * i] *= 1.5;
+    double stretched = friction_rate(context, sim);
+    print_message("%g N s/m at rest, %g stretched by a half\n", rest, stretched);
+    assert_true(fabs(rest / (2.0 * 2.0 * 0.04) - 1.0) < 0.01);
+    assert_true(fabs(stretched / rest / 1.5 - 1.0) < 0.01);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 static struct batch *slip_of(const pdyn_sim *sim) {
     int b = 0;
     while (sim->objective.batch[b]->type != &pdyn_constraint_slip) b++;
@@ -145,9 +170,8 @@ static void test_friction_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_carried),
-        cmocka_unit_test(test_friction),
-        cmocka_unit_test(test_friction_threads),
+        cmocka_unit_test(test_carried),          cmocka_unit_test(test_stretched),
+        cmocka_unit_test(test_friction),         cmocka_unit_test(test_friction_threads),
         cmocka_unit_test(test_friction_solvers),
     };
     return cmocka_run_group_tests_name("fluid_friction", tests, NULL, NULL);
