@@ -227,6 +227,31 @@ static void test_outlet(void **state) {
     }
 }
 
+/* Water leaves under pressure, with BDF2: particles that are not live have no pressure and stay at
+ * the origin. */
+static void test_removed(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        "{" STEPS FLOAT
+        ", 'bodies': [{'particles': {'radius': 0.0125, 'fill': [{'box': {'minimum': [0.2, 0, 0], "
+        "'maximum': [0.3, 0.1, 0.1]}, 'velocity': [-3, 0, 0]}, {'box': {'minimum': [0.3, 0.013, "
+        "0], 'maximum': [0.4, 0.1, 0.1]}, 'velocity': [-5, 0, 0]}]}, 'constraints': [{'type': "
+        "'fluid', 'stiffness': 1e5}]}], 'outlets': [{'box': {'minimum': [-1, -1, -1], 'maximum': "
+        "[0.25, 1, 1]}}]}");
+    const pdyn_state s = pdyn_get_state(sim);
+    for (int n = 0; n < 20; n++) {
+        test_step(context, sim);
+        for (int i = 0; i < s.particles; i++)
+            assert_true(s.live[i] || (s.pressure[i] == 0.0 && vec3_length(s.x + 3 * i) == 0.0 &&
+                                      vec3_length(s.v + 3 * i) == 0.0));
+    }
+    assert_true(sim->live->removed > s.particles / 2);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* A budget of three layers: then the inlet closes, with one warning. */
 static void test_exhausted(void **state) {
     (void)state;
@@ -499,6 +524,7 @@ int main(void) {
         cmocka_unit_test(test_free_jet),
         cmocka_unit_test(test_before_the_start),
         cmocka_unit_test(test_outlet),
+        cmocka_unit_test(test_removed),
         cmocka_unit_test(test_exhausted),
         cmocka_unit_test(test_momentum),
         cmocka_unit_test(test_stiff_jet),
