@@ -316,8 +316,8 @@ static void test_water_long(void **state) {
 static void test_poses(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim =
-        test_load(context, "{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX("") "}]}");
+    pdyn_sim *sim = test_load(context, "{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX(
+                                           ", 'center_of_mass': [0.05, 0.1, 0]") "}]}");
     double x[24], v[24], R[9], turned[3];
     vec3_rotation(R, (const double[3]){30, 40, 50});
     for (int i = 0; i < 8; i++) {
