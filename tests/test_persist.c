@@ -94,6 +94,16 @@ static const char thick[] =
     "{'type': 'pin', 'vertices': {'all': true}, 'until': 0.025}]}], 'solids': [{'name': 'tank', "
     "'box': {'minimum': [0, 0, 0], 'maximum': [0.24, 0.7, 0.24]}}]}";
 
+/* A sheet is drawn through water: pairs around its border become hidden and visible. */
+static const char parted[] =
+    "{'duration': 1, 'frame_interval': 0.01, 'time_step': {'fixed': 0.005}, 'bodies': [{'name': "
+    "'water', 'particles': {'radius': 0.02, 'fill': [{'box': {'minimum': [0, 0, 0], 'maximum': "
+    "[0.4, 0.2, 0.24]}}]}, 'constraints': [{'type': 'fluid'}]}, {'name': 'sheet', 'surface': "
+    "{'grid': {'size': [0.16, 0.16], 'vertices': [5, 5]}, 'translate': [0.12, 0.1, 0.12], "
+    "'area_density': 0.5}, 'constraints': [{'type': 'pin', 'vertices': {'all': true}, 'path': "
+    "[[0, 0, 0, 0], [1, 2, 0, 0]]}]}], 'solids': [{'name': 'tank', 'box': {'minimum': [0, 0, 0], "
+    "'maximum': [0.4, 0.7, 0.24]}}]}";
+
 static void step_often(pdyn_context *context, pdyn_sim *sim, int steps) {
     for (int k = 0; k < steps; k++) test_step(context, sim);
 }
@@ -166,6 +176,7 @@ static void test_every_step(void **state) {
     goes_on_from_each(let_go, 20);
     goes_on_from_each(thick, 20);
     goes_on_from_each(fed, 24);
+    goes_on_from_each(parted, 16);
 }
 
 /* What a program has changed does not outlast the restoring of a state without it. */
