@@ -168,6 +168,21 @@ class Output(unittest.TestCase):
                 else:
                     self.assertTrue((mesh.cells_dict["triangle"] == cells).all())
 
+    def test_particles_that_are_not_live_are_left_out(self):
+        """A file has the live particles alone, each with its own numbers: VTK and PLY agree."""
+        inlet = {"disc": {"center": [0, 0.3, 0], "radius": 0.05}, "direction": [0, -1, 0], "speed": 1}
+        jet = {"name": "jet", "particles": {"radius": 0.01, "inlets": [inlet], "budget": 5000},
+               "constraints": [{"type": "fluid", "stiffness": 1e5}]}
+        with tempfile.TemporaryDirectory() as name:
+            done = run(name, "--time", "0.1", "--ply", "--set", f"bodies={json.dumps([jet])}")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            last = sorted(pathlib.Path(name).glob("jet_*.vtk"))[-1]
+            points, _, _, arrays = read_vtk(last)
+            mesh = meshio.read(last.with_suffix(".ply"))
+            self.assertTrue(50 < len(points) == len(np.unique(points, axis=0)) < 5000)
+            self.assertTrue((mesh.points == points).all())
+            self.assertTrue((mesh.point_data["vy"] == arrays["velocity"][:, 1]).all())
+
     def test_something_moves(self):
         for body in self.report["bodies"]:
             files = self.series(body)["files"]
