@@ -91,6 +91,28 @@ static void test_solvers(void **state) {
     assert_true(vec3_distance(x[0], x[1]) < 1e-7);
 }
 
+/* In an iteration a particle goes less than half of its distance to the sheet, and a corner of the
+ * sheet no farther than the particles in front of it; a particle on the sheet can still move. */
+static void assert_limits(pdyn_sim *sim) {
+    const struct surface_samples *s = sim->objective.samples;
+    double *limit = sim->max_step, *x = sim->x, spacing = 0.014;
+    memcpy(x, x + 3 * (sim->body[1].first + 480), 3 * sizeof *x); /* the middle vertex */
+    assert_int_equal(objective_limit(&sim->objective, x, limit), PDYN_OK);
+    const pdyn_neighbours *l = objective_lists(&sim->objective);
+    int pairs = 0;
+    for (int k = 0; k < s->count; k++)
+        for (int i = 0; i < sim->body[0].count; i++) {
+            double at[3];
+            samples_at(s, k, x, at);
+            double distance = vec3_distance(at, x + 3 * i);
+            if (distance >= l->surface_support) continue;
+            assert_true(limit[i] <= fmax(0.5 * distance, 0.021 * spacing));
+            for (int m = 3 * k; m < 3 * k + 3; m++, pairs++)
+                assert_true(s->weight[m] == 0.0 || limit[s->vertex[m]] <= limit[i]);
+        }
+    assert_true(pairs > 100 && fabs(limit[0] - 0.02 * spacing) < 1e-9);
+}
+
 /* A sheet of a hundredth of the mass of a water layer hits a block of water with 6 m/s, two
  * particle spacings per step. The prediction lies behind the water; the step must not end there. */
 static void test_fast_sheet(void **state) {
@@ -117,6 +139,7 @@ static void test_fast_sheet(void **state) {
         }
         assert_true(sim->x[3 * i + 1] > sim->x[3 * nearest + 1]);
     }
+    assert_limits(sim);
     pdyn_free(sim);
     pdyn_destroy(context);
 }
