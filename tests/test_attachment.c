@@ -138,16 +138,17 @@ static void test_memory(void **state) {
 
 /* Two balls of 1 kg on a spring of 10 N/m, without gravity, stretched by `stretch`, m: the largest
  * kinetic energy in the first and in the last second of 10 s. */
-static void oscillate(double stretch, double highest[2]) {
+static void oscillate(double stretch, double damping, double highest[2]) {
     static const char pair[] =
-        "{'duration': 10, 'gravity': [0, 0, 0], 'time_step': {'fixed': 0.01}, 'bodies': ["
+        "{'duration': 10, 'frame_interval': 10, 'gravity': [0, 0, 0], 'time_step': {'fixed': "
+        "0.01}, 'bodies': ["
         "{'name': 'a', 'rigid': {'sphere': {'center': [-0.35, 0, 0], 'radius': 0.05}, 'mass': 1}},"
         "{'name': 'b', 'rigid': {'sphere': {'center': [0.35, 0, 0], 'radius': 0.05}, 'mass': 1},"
         " 'constraints': [{'type': 'attachment', 'to': 'a', 'vertices': {'box': {"
         "   'minimum': [0.2995, -0.002, -0.002], 'maximum': [0.3005, 0.002, 0.002]}},"
-        "  'stiffness': 10, 'length': %.17g}]}]}";
+        "  'stiffness': 10, 'length': %.17g, 'damping': %g}]}]}";
     char text[1024];
-    snprintf(text, sizeof text, pair, 1.0 - stretch / 0.6);
+    snprintf(text, sizeof text, pair, 1.0 - stretch / 0.6, damping);
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, text);
     highest[0] = highest[1] = 0.0;
@@ -168,10 +169,20 @@ static void test_oscillation(void **state) {
     static const double stretch[] = {0.2, 0.05, 0.01};
     for (int k = 0; k < 3; k++) {
         double highest[2], energy = 0.5 * 10.0 * stretch[k] * stretch[k];
-        oscillate(stretch[k], highest);
+        oscillate(stretch[k], 0.0, highest);
         assert_true(fabs(highest[0] / energy - 1.0) < 0.01);
         assert_true(fabs(highest[1] / energy - 1.0) < 0.05);
     }
+}
+
+/* A force of 10 N/m x 5 ms times the rate of stretch takes the part 1 - exp(-0.1 t) of the energy;
+ * the first and the last of the largest kinetic energies are 6.5 periods apart. */
+static void test_damped_oscillation(void **state) {
+    (void)state;
+    double highest[2], time = 6.5 * 2.0 * acos(-1.0) / sqrt(20.0);
+    oscillate(0.05, 0.005, highest);
+    print_message("%g, expected %g\n", highest[1] / highest[0], exp(-0.1 * time));
+    assert_true(fabs(highest[1] / highest[0] / exp(-0.1 * time) - 1.0) < 0.02);
 }
 
 /* ---- a rigid weight -------------------------------------------------------------------------- */
@@ -228,6 +239,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_weight),      cmocka_unit_test(test_momentum),
         cmocka_unit_test(test_seam),        cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_oscillation), cmocka_unit_test(test_rigid_weight)};
+        cmocka_unit_test(test_oscillation), cmocka_unit_test(test_damped_oscillation),
+        cmocka_unit_test(test_rigid_weight)};
     return cmocka_run_group_tests_name("attachment", tests, NULL, NULL);
 }
