@@ -1,6 +1,7 @@
 /* Bending: second derivatives on irregular meshes, plate energy, curved rest shapes. */
 #include "support.h"
 
+#include "../src/constraints/frame.h"
 #include "../src/constraints/plate.h"
 #include "geometry/mesh.h"
 
@@ -98,6 +99,34 @@ static void test_quadratics(void **state) {
     pdyn_destroy(context);
 }
 
+/* A triangle at a border has no curvature across the border, whatever the function is: the slope
+ * there is the one that minimises the Hessian. */
+static void test_borders(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    struct sheet s;
+    uint64_t seed = 7;
+    double f[VERTICES], size = 0.0;
+    int borders = 0;
+    make_sheet(context, &s, 0.2);
+    for (int v = 0; v < VERTICES; v++) f[v] = test_random(&seed);
+    for (int c = 0; c < 3 * TRIANGLES; c++) {
+        struct frame frame = frame_of(&s.body, c / 3);
+        struct plate plate;
+        double *n = frame.outward[c % 3], row[3];
+        if (s.body.across[c] >= 0) continue;
+        plate_hessian(&s.body, c / 3, &plate);
+        for (int r = 0; r < 3; r++) row[r] = value(&plate, r, f);
+        double across =
+            n[0] * n[0] * row[0] + sqrt(2.0) * n[0] * n[1] * row[1] + n[1] * n[1] * row[2];
+        assert_near(across, 0.0, 1e-9);
+        size = fmax(size, vec3_length(row)), borders++;
+    }
+    assert_true(borders == 4 * (N - 1) && size > 0.1);
+    topology_free(context, &s.topology);
+    pdyn_destroy(context);
+}
+
 /* The mean of the second derivatives of any function that vanishes near the border is 0: no pattern
  * of the mesh softens a smooth bend. */
 static void test_mean(void **state) {
@@ -185,6 +214,7 @@ static void test_curved_rest(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_quadratics),
+        cmocka_unit_test(test_borders),
         cmocka_unit_test(test_mean),
         cmocka_unit_test(test_curved_rest),
     };
