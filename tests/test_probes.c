@@ -88,8 +88,8 @@ static void test_thin_wall(void **state) {
     (void)state;
     static const char *const plates[] = {
         ABOVE("'box': {'minimum': [0, -0.02, 0], 'maximum': [0.2, 0, 0.2]}"),
-        ABOVE("'box': {'minimum': [0, 0, 0], 'maximum': [0.2, 0.2, 0.02]}, 'pivot': [0, 0, 0], "
-              "'motion': [{'time': 0, 'rotate': [90, 0, 0]}]")};
+        ABOVE("'box': {'minimum': [0, -0.2, -0.02], 'maximum': [0.2, 0, 0]}, 'pivot': [0, 0, 0], "
+              "'motion': [{'time': 0, 'rotate': [-90, 0, 0]}]")};
     for (int k = 0; k < COUNT(plates); k++) {
         pdyn_sim *sim = test_load(context, quoted(plates[k]));
         double mean[ROW] = {0};
