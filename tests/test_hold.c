@@ -5,6 +5,14 @@
 
 static const char sheet[] = SHEET;
 
+/* The energy of a hold is that of a spring, and a part of the energy of constraints. */
+static void assert_energy(const pdyn_sim *sim, double energy, double stiffness, double distance) {
+    double scene = 0.0;
+    for (int k = 0; k < sim->constraints; k++) scene += sim->objective.batch[k]->energy;
+    double held = 0.5 * stiffness * distance * distance;
+    assert_true(held > 0.0 && fabs(energy - scene - held) < 1e-9 * energy);
+}
+
 static void hold_and_release(const char *text) {
     if (test_lacks_solver(text)) return;
     pdyn_sim *sim = test_load(context, text);
@@ -22,6 +30,7 @@ static void hold_and_release(const char *text) {
     }
     assert_true(vec3_distance(x, target) < 0.02);
     assert_true(info.pin_reaction[1] > 0.0);
+    assert_energy(sim, info.constraint_energy, 1e4, vec3_distance(x, target));
     continues(sim, text);
     good(pdyn_release(sim, CORNER));
     good(pdyn_release(sim, CORNER));
