@@ -248,6 +248,13 @@ static double displaced(const char *set, double *deviation) {
     return sum / time;
 }
 
+/* With "contact" a sheet displaces its area times the thickness, up to 0.6 spacings, more. */
+static void assert_thickness(double thin) {
+    double other, thick = displaced(", 'contact': {'thickness': 0.006}", &other);
+    print_message("with a thickness of 0.3 spacings %.3f layers more\n", thick - thin);
+    assert_true(fabs(thick - thin - 0.3) < 0.1);
+}
+
 /* Less than 0.4 of a layer, displaced around its border of 32 spacings; with the published boundary
  * handling more than one layer. The force is steady, because pairs that come into sight around the
  * border are not close to each other. */
@@ -262,6 +269,7 @@ static void test_displaced(void **state) {
     assert_true(steady < 0.08);
     assert_true(fabs(exact) < 0.4 && fabs(wendland) < 0.4);
     assert_true(published > 1.0);
+    assert_thickness(exact);
 }
 
 int main(void) {
