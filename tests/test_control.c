@@ -60,6 +60,29 @@ static void test_gravity(void **state) {
     pdyn_free(sim);
 }
 
+/* The acceleration, m/s^2, by which a step's residual is measured: that of the sheet's weight. */
+static double residual_gravity(pdyn_sim *sim) {
+    double squares = 0.0;
+    take_steps(sim, 1);
+    for (int i = 0; i < VERTICES; i++) squares += sim->objective.mass[i] * sim->objective.mass[i];
+    return sim->objective.body[0].weight / sqrt(squares);
+}
+
+/* It is the largest gravity of the run, and that of the Earth where there was none. */
+static void test_residual(void **state) {
+    (void)state;
+    static const double gravity[] = {2.0, 20.0, 1.0}, expected[] = {2.0, 20.0, 20.0};
+    pdyn_sim *sim = NULL;
+    const char *const none = "gravity=[0, 0, 0]";
+    good(pdyn_load_text(context, quoted(sheet), "sheet", &none, 1, &sim));
+    assert_true(fabs(residual_gravity(sim) - 9.81) < 1e-12);
+    for (int k = 0; k < 3; k++) {
+        good(pdyn_set_gravity(sim, (double[]){0.0, -gravity[k], 0.0}));
+        assert_true(fabs(residual_gravity(sim) - expected[k]) < 1e-12);
+    }
+    pdyn_free(sim);
+}
+
 /* A hanging sheet whose gravity fades out: every step is solved in a few iterations, and a saved
  * state continues with the same tolerance. */
 static void test_fading_gravity(void **state) {
@@ -285,6 +308,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_forces),
         cmocka_unit_test(test_gravity),
+        cmocka_unit_test(test_residual),
         cmocka_unit_test(test_fading_gravity),
         cmocka_unit_test(test_positions),
         cmocka_unit_test(test_place_in_contact),
