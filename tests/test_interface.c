@@ -195,6 +195,19 @@ static void test_large_surface(void **state) {
     pdyn_destroy(context);
 }
 
+/* The energy of compressed water is the sum over its particles, in several parallel blocks. */
+static void assert_energy(pdyn_sim *sim) {
+    struct batch *fluid = sim->objective.batch[0];
+    double energy, sum = 0.0;
+    for (int k = 0; k < 3 * sim->objective.particles; k++) sim->x_next[k] = 0.98 * sim->x[k];
+    assert_int_equal(objective_local(&sim->objective, sim->x_next, &energy, sim->gradient),
+                     PDYN_OK);
+    pdyn_one_sided at = fluid->type->matrix_free->one_sided(fluid->op);
+    for (int i = 0; i < at.count; i++)
+        sum += 0.5 * at.stiffness[i] * fmax(0.0, at.value[i]) * fmax(0.0, at.value[i]);
+    assert_true(sum > 0.0 && fabs(fluid->energy / sum - 1.0) < 1e-12);
+}
+
 /* A lattice of particles that touches the walls of a box is at rest. */
 static void check_lattice(const char *kernel) {
     pdyn_context *context = test_context(1);
@@ -209,6 +222,7 @@ static void check_lattice(const char *kernel) {
     sim->objective.batch[0]->type->matrix_free->density(sim->objective.batch[0]->op, sim->density);
     for (int i = 0; i < sim->objective.particles; i++)
         assert_true(sim->density[i] > 990.0 && sim->density[i] < 1001.0);
+    assert_energy(sim);
     pdyn_free(sim);
     pdyn_destroy(context);
 }
