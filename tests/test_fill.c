@@ -285,13 +285,39 @@ static void test_overlap(void **state) {
     assert_int_equal(fill_beside("'overlap': 'keep',", sheet, ""), 1000);
 }
 
+/* Where an obstacle takes particles of the lower of two fills, the others keep their velocities,
+ * and their fills. */
+static void test_overlap_of_fills(void **state) {
+    (void)state;
+    struct scene scene;
+    int below = 0;
+    assert_int_equal(
+        read_text("{'duration': 1, 'bodies': [{'particles': {'radius': 0.05, 'fill': [{'box': "
+                  "{'minimum': [0, 0, 0], 'maximum': [1, 0.5, 1]}, 'velocity': [1, 0, 0]}, {'box': "
+                  "{'minimum': [0, 0.5, 0], 'maximum': [1, 1, 1]}, 'velocity': [2, 0, 0]}]}}], "
+                  "'solids': [{'sphere': {'center': [0.5, 0.3, 0.5], 'radius': 0.25}}]}",
+                  NULL, 0, &scene),
+        PDYN_OK);
+    const struct scene_body *body = &scene.body[0];
+    for (int i = 0; i < body->start.count; i++) {
+        bool low = body->start.x[3 * i + 1] < 0.5;
+        assert_true(body->start_v.x[3 * i] == (low ? 1.0 : 2.0));
+        below += low;
+    }
+    assert_true(below < 500 && body->start.count < 1000);
+    assert_int_equal(body->fill_end[0], below);
+    assert_int_equal(body->fill_end[1], body->start.count);
+    scene_free(context, &scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sphere),         cmocka_unit_test(test_velocities),
-        cmocka_unit_test(test_simulation),     cmocka_unit_test(test_torus),
-        cmocka_unit_test(test_open_mesh),      cmocka_unit_test(test_cube),
-        cmocka_unit_test(test_thin_triangles), cmocka_unit_test(test_octahedron),
-        cmocka_unit_test(test_several_parts),  cmocka_unit_test(test_overlap),
+        cmocka_unit_test(test_sphere),           cmocka_unit_test(test_velocities),
+        cmocka_unit_test(test_simulation),       cmocka_unit_test(test_torus),
+        cmocka_unit_test(test_open_mesh),        cmocka_unit_test(test_cube),
+        cmocka_unit_test(test_thin_triangles),   cmocka_unit_test(test_octahedron),
+        cmocka_unit_test(test_several_parts),    cmocka_unit_test(test_overlap),
+        cmocka_unit_test(test_overlap_of_fills),
     };
     return cmocka_run_group_tests_name("fill", tests, scene_set_up, scene_tear_down);
 }
