@@ -138,6 +138,23 @@ static void test_program(void **state) {
     pdyn_free(sim), pdyn_free(heavy);
 }
 
+/* Of two parameters with keys, both stay as a program sets them. */
+static void test_two_parameters(void **state) {
+    (void)state;
+    static const char scene[] =
+        PINNED(FIXED, "[{'time': 0, 'stretching_stiffness': 1000}, {'time': 1, "
+                      "'stretching_stiffness': 3000}], 'damping': [{'time': 0, 'damping': 0.01}, "
+                      "{'time': 1, 'damping': 0.03}]");
+    pdyn_sim *sim = test_load(context, scene);
+    take_steps(sim, 2);
+    good(pdyn_set_parameter(sim, SPRING, "stretching_stiffness", (double[]){500.0}, 1));
+    good(pdyn_set_parameter(sim, SPRING, "damping", (double[]){0.005}, 1));
+    take_steps(sim, 2);
+    assert_true(pdyn_get_parameter(sim, SPRING, 0).value == 500.0);
+    assert_true(pdyn_get_parameter(sim, SPRING, 1).value == 0.005);
+    pdyn_free(sim);
+}
+
 /* A constraint that refuses a value does so when the scene is loaded. */
 static void test_refused(void **state) {
     (void)state;
@@ -168,7 +185,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_gravity),   cmocka_unit_test(test_gravity_from_zero),
         cmocka_unit_test(test_parameter), cmocka_unit_test(test_table),
-        cmocka_unit_test(test_program),   cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_program),   cmocka_unit_test(test_two_parameters),
+        cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests_name("keyed", tests, control_set_up, control_tear_down);
 }
