@@ -1,6 +1,7 @@
 /* Time integration: free fall, order of convergence, variable steps, impacts. */
 #include "support.h"
 
+#include "projdyn/control.h"
 #include "projdyn/vec3.h"
 
 #include <string.h>
@@ -84,6 +85,50 @@ static void test_fluid_viscosity(void **state) {
     double euler = kept_speed(EULER), bdf2 = kept_speed(BDF2);
     print_message("kept speed: euler %.5f, bdf2 %.5f\n", euler, bdf2);
     assert_true(euler > 0.1 && euler < 0.9 && fabs(log(bdf2) / log(euler) - 1.0) < 0.03);
+}
+
+/* ---- adaptive steps -------------------------------------------------------------------------- */
+
+/* The length of the first step of water at rest, without gravity, with more in its scene or, above
+ * 0, an applied force, m/s^2. */
+static double step_length(const char *particles, const char *solids, double applied) {
+    char text[1024];
+    double force[24] = {0};
+    snprintf(text, sizeof text,
+             "{'duration': 100, 'frame_interval': 100, 'gravity': [0, 0, 0], 'time_step': "
+             "{'maximum': 0.1}, 'bodies': [{'particles': {'radius': 0.01, 'fill': [{'box': "
+             "{'minimum': [0, 0, 0], 'maximum': [0.04, 0.04, 0.04]}}]%s}, 'constraints': [{'type': "
+             "'fluid', 'stiffness': 1e-3}]}], 'solids': [%s]}",
+             particles, solids);
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, text);
+    for (int i = 0; i < 8; i++) force[3 * i + 1] = applied * sim->objective.mass[i];
+    assert_int_equal(pdyn_set_forces(sim, 0, 8, force), PDYN_OK);
+    double h = test_step(context, sim).h;
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return h;
+}
+
+/* Particles, moving solids and inlets, also those that become faster in the step, travel at most a
+ * radius, 0.01 m. */
+static void test_step_length(void **state) {
+    (void)state;
+    double still = step_length("", "", 0.0), forced = step_length("", "", 100.0);
+    double solid = step_length("",
+                               "{'sphere': {'center': [9, 9, 9], 'radius': 0.1}, 'motion': "
+                               "[{'time': 0}, {'time': 1, 'translate': [4, 0, 0]}]}",
+                               0.0);
+    double inlet =
+        step_length(", 'inlets': [{'disc': {'center': [5, 0, 0], 'radius': 0.02}, "
+                    "'direction': [1, 0, 0], 'speed': [{'time': 0, 'speed': 0}, {'time': "
+                    "0.1, 'speed': 2}]}], 'budget': 500",
+                    "", 0.0);
+    print_message("%g, %g, %g, %g s\n", still, forced, solid, inlet);
+    assert_true(fabs(still - 0.1) < 1e-3);
+    assert_true(100.0 * 0.1 * forced < 0.0101 && 100.0 * 0.1 * forced > 0.0099);
+    assert_true(4.0 * solid < 0.0101 && 4.0 * solid > 0.0099);
+    assert_true(2.0 * inlet < 0.0101 && 2.0 * inlet > 0.0099);
 }
 
 /* ---- order ----------------------------------------------------------------------------------- */
@@ -240,9 +285,10 @@ static void test_splash(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_fall),  cmocka_unit_test(test_fluid_viscosity),
-        cmocka_unit_test(test_order),      cmocka_unit_test(test_no_bounce),
-        cmocka_unit_test(test_held_sheet), cmocka_unit_test(test_splash),
+        cmocka_unit_test(test_free_fall),       cmocka_unit_test(test_step_length),
+        cmocka_unit_test(test_fluid_viscosity), cmocka_unit_test(test_order),
+        cmocka_unit_test(test_no_bounce),       cmocka_unit_test(test_held_sheet),
+        cmocka_unit_test(test_splash),
     };
     return cmocka_run_group_tests_name("integrator", tests, test_enter_directory,
                                        test_leave_directory);
