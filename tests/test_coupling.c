@@ -208,6 +208,19 @@ static void test_viscosity(void **state) {
     pdyn_destroy(context);
 }
 
+/* A granted density falls by a tenth with every step. */
+static void test_grant_decays(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, drop);
+    double *granted = (double *)objective_lists(&sim->objective)->granted;
+    granted[0] = 0.1;
+    for (int step = 0; step < 5; step++) test_step(context, sim);
+    assert_true(fabs(granted[0] - 0.1 * pow(0.9, 5)) < 1e-12);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* ---- sides ----------------------------------------------------------------------------------- */
 
 #define ABOVE                                                                                      \
@@ -421,8 +434,9 @@ int main(void) {
         cmocka_unit_test(test_forces),     cmocka_unit_test(test_solvers),
         cmocka_unit_test(test_fast_sheet), cmocka_unit_test(test_momentum),
         cmocka_unit_test(test_viscosity),  cmocka_unit_test(test_layers),
-        cmocka_unit_test(test_floor),      cmocka_unit_test(test_hidden),
-        cmocka_unit_test(test_impact),     cmocka_unit_test(test_start),
+        cmocka_unit_test(test_floor),      cmocka_unit_test(test_grant_decays),
+        cmocka_unit_test(test_hidden),     cmocka_unit_test(test_impact),
+        cmocka_unit_test(test_start),
     };
     return cmocka_run_group_tests_name("coupling", tests, NULL, NULL);
 }
