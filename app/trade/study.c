@@ -13,11 +13,9 @@
 
 /* Whether the scene has a body of particles, or one of another kind. */
 static bool has_body(const json_t *scene, bool of_particles) {
-    size_t k;
-    json_t *body;
-    json_array_foreach(json_object_get(scene, "bodies"), k,
-                       body) if (of_particles ==
-                                 (json_object_get(body, "particles") != NULL)) return true;
+    const json_t *bodies = json_object_get(scene, "bodies");
+    for (size_t b = 0; b < json_array_size(bodies); b++)
+        if (of_particles == !!json_object_get(json_array_get(bodies, b), "particles")) return true;
     return false;
 }
 
