@@ -227,6 +227,12 @@ static void test_outlet(void **state) {
     }
 }
 
+/* Two blocks of water at -3 and -5 m/s. */
+#define BLOCKS                                                                                     \
+    "'radius': 0.0125, 'fill': [{'box': {'minimum': [0.2, 0, 0], 'maximum': [0.3, 0.1, 0.1]}, "    \
+    "'velocity': [-3, 0, 0]}, {'box': {'minimum': [0.3, 0.013, 0], 'maximum': [0.4, 0.1, 0.1]}, "  \
+    "'velocity': [-5, 0, 0]}]"
+
 /* Water leaves under pressure, with BDF2: particles that are not live have no pressure and stay at
  * the origin. */
 static void test_removed(void **state) {
@@ -234,10 +240,7 @@ static void test_removed(void **state) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(
         context,
-        "{" STEPS FLOAT
-        ", 'bodies': [{'particles': {'radius': 0.0125, 'fill': [{'box': {'minimum': [0.2, 0, 0], "
-        "'maximum': [0.3, 0.1, 0.1]}, 'velocity': [-3, 0, 0]}, {'box': {'minimum': [0.3, 0.013, "
-        "0], 'maximum': [0.4, 0.1, 0.1]}, 'velocity': [-5, 0, 0]}]}, 'constraints': [{'type': "
+        "{" STEPS FLOAT ", 'bodies': [{'particles': {" BLOCKS "}, 'constraints': [{'type': "
         "'fluid', 'stiffness': 1e5}]}], 'outlets': [{'box': {'minimum': [-1, -1, -1], 'maximum': "
         "[0.25, 1, 1]}}]}");
     const pdyn_state s = pdyn_get_state(sim);
@@ -274,9 +277,7 @@ static void test_momentum(void **state) {
         context,
         "{" STEPS FLOAT
         ", 'solver': {'outer_iterations': 1, 'linear_iterations': 3}, 'bodies': [{'particles': "
-        "{'radius': 0.0125, 'fill': [{'box': {'minimum': [0.2, 0, 0], 'maximum': [0.3, 0.1, 0.1]}, "
-        "'velocity': [-3, 0, 0]}, {'box': {'minimum': [0.3, 0.013, 0], 'maximum': [0.4, 0.1, "
-        "0.1]}, 'velocity': [-5, 0, 0]}], 'inlets': [{'disc': {'center': [9, 9, 9], 'radius': "
+        "{" BLOCKS ", 'inlets': [{'disc': {'center': [9, 9, 9], 'radius': "
         "0.01}, 'direction': [1, 0, 0], 'speed': 1, 'start': 0.9}]}, 'constraints': [{'type': "
         "'fluid', 'stiffness': 1e5}]}]}");
     double first[3] = {0}, touched = 0.0;

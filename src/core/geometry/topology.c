@@ -227,18 +227,6 @@ static int compare_positions(const void *a, const void *b, void *vertex) {
     return (x[k] > y[k]) - (x[k] < y[k]);
 }
 
-pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh, int *count) {
-    int *order = NEW_ARRAY(context, mesh->vertices, int);
-    if (!order) return PDYN_NO_MEMORY;
-    for (int i = 0; i < mesh->vertices; i++) order[i] = i;
-    qsort_r(order, (size_t)mesh->vertices, sizeof *order, compare_positions, mesh->vertex);
-    *count = 0;
-    for (int i = 1; i < mesh->vertices; i++)
-        *count += compare_positions(order + i - 1, order + i, mesh->vertex) == 0;
-    FREE_ARRAY(context, order, mesh->vertices);
-    return PDYN_OK;
-}
-
 /* For each vertex a vertex at its place, the same one for all that lie there. NULL: no memory. */
 static int *vertex_of_place(pdyn_context *context, const struct mesh *mesh) {
     int *order = NEW_ARRAY(context, mesh->vertices, int);
@@ -253,6 +241,15 @@ static int *vertex_of_place(pdyn_context *context, const struct mesh *mesh) {
     } else FREE_ARRAY(context, place, mesh->vertices);
     FREE_ARRAY(context, order, mesh->vertices);
     return place;
+}
+
+pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh, int *count) {
+    int *place = vertex_of_place(context, mesh);
+    if (!place) return PDYN_NO_MEMORY;
+    *count = 0;
+    for (int i = 0; i < mesh->vertices; i++) *count += place[i] != i;
+    FREE_ARRAY(context, place, mesh->vertices);
+    return PDYN_OK;
 }
 
 pdyn_status mesh_find_border(pdyn_context *context, const struct mesh *mesh, int *across) {
