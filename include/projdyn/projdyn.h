@@ -189,11 +189,12 @@ typedef struct pdyn_iteration {
     int linear_iterations; /* in this iteration */
     double energy;         /* J, minimised function */
     double residual;       /* largest pdyn_body_info.residual, at x */
-    double damping;        /* eps: 0 for "newton", 1 for "projective" */
+    double damping;        /* eps of the next iteration, 0 to 1: adapted by "newton"; 1 with
+                              "projective" */
     const double *x;       /* m, particles x 3: the iterate; valid during the call */
 } pdyn_iteration;
-/* Sets the observer that every later step calls after each local/global iteration. observer NULL:
- * none. */
+/* Sets the observer that every later step calls at its starting point and after each local/global
+ * iteration. observer NULL: none. */
 PDYN_API void pdyn_observe(pdyn_sim *sim, void (*observer)(void *user, const pdyn_iteration *),
                            void *user);
 
