@@ -6,7 +6,7 @@
  *
  *     E = sum over pairs w_ij/2 |x_i - x_j|^2
  *     w_ij = b_ij/2 (s_i a_j + s_j a_i),   s_i = 4 A tension a_i / sum_j b_ij a_j r_ij^2
- *     a_i = 2 V |n_i|,   n_i = sum_j V grad W(x_i - x_j),   b = q^3 (1 - q)^2,  q = r / 2d
+ *     a_i = 2 V |n_i|,   n_i = sum_j V grad W(x_i - x_j),   b = q^3 (1 - q)^2,  q = r / support
  *
  * a_i is the surface's area at particle i (Brackbill, Kothe and Zemach 1992). The sum of w r^2 over
  * pairs is 2 A tension times the area, whatever b is. Weights are those of the beginning of the
