@@ -71,7 +71,8 @@ expect_error 2 "--turntable 0: expected a number from 0.04" render "$run" -o "$f
 expect_error 2 "--turntable: expected a film or numbered pictures" render "$run" -o "$folder/a.png" --turntable 1
 expect_error 2 "--turntable: expected a film or numbered pictures" render "$run" -o "$folder/a.gif" --turntable 1 --frames 1:2
 expect_error 2 "--frames: expected a film or numbered pictures" render "$run" -o "$folder/a.png" --frames 1:2
-expect_error 2 "--fps: expected a film" render "$run" -o "$folder/a.png" --fps 10
+expect_error 2 "--fps: expected a film or --turntable" render "$run" -o "$folder/a.png" --fps 10
+expect_error 2 "--fps: expected a film or --turntable" render "$run" -o "$folder/a_%d.png" --fps 10
 expect_error 2 "--frame, --time: expected one of them" render "$run" -o "$folder/a.png" --frame 1 --time 0.1
 expect_error 2 "--frame: expected a picture or --turntable" render "$run" -o "$folder/a.gif" --frame 1
 expect_error 2 "--time: expected a picture or --turntable" render "$run" -o "$folder/a_%d.png" --time 0.1

@@ -25,7 +25,7 @@ static const char usage[] =
     "      --size WxH     size in pixels, both even (default 1280x720)\n"
     "      --frame N      frame of a picture (default: the last one)\n"
     "      --time S       frame of a picture: the one nearest to this time, s\n"
-    "      --frames A:B   of a film: only the frames A to B, counted from 0\n"
+    "      --frames A:B   of a film or numbered pictures: only the frames A to B, counted from 0\n"
     "      --fps N        pictures a second of a film (default: as fast as simulated)\n"
     "      --view TEXT    view: what the page's button \"Link\" puts behind '#'\n"
     "      --camera KEYS  camera over time: a JSON file or an array. Keys have a time (s), yaw,\n"
@@ -136,11 +136,14 @@ struct plan {
     long first, count; /* otherwise of the `count` frames from `first` on */
 };
 
-/* Whether the output is a single picture. */
-static bool is_still(const char *output) {
+/* Whether the output is a picture, or numbered pictures. */
+static bool is_png(const char *output) {
     enum film_format format;
-    return film_find_format(output, &format) && format == FILM_PNG && !film_is_numbered(output);
+    return film_find_format(output, &format) && format == FILM_PNG;
 }
+
+/* Whether the output is a single picture. */
+static bool is_still(const char *output) { return is_png(output) && !film_is_numbered(output); }
 
 static struct plan make_plan(const struct options *options) {
     bool still = is_still(options->output);
@@ -263,7 +266,8 @@ static int check_options(const struct options *o) {
         return run_error("render: --turntable: expected a film or numbered pictures, of one frame");
     if (still && o->last >= 0)
         return run_error("render: --frames: expected a film or numbered pictures");
-    if (still && !isnan(o->fps)) return run_error("render: --fps: expected a film");
+    if (is_png(o->output) && !turns && !isnan(o->fps))
+        return run_error("render: --fps: expected a film or --turntable");
     if (o->frame >= 0 && !isnan(o->time))
         return run_error("render: --frame, --time: expected one of them");
     if (one_frame && !still && !turns)
