@@ -146,15 +146,26 @@ static void print_ranking(const struct solver_benchmark *benchmark) {
     }
 }
 
+/* Which solver "auto" is; beside cloth, steps may change to another one. */
+static void print_chosen(const struct solver_benchmark *benchmark) {
+    for (int k = 0; k < benchmark->solvers; k++) {
+        const struct solver_timing *timing = &benchmark->solver[k];
+        if (strcmp(timing->solver, timing->chosen))
+            printf("%s begins with %s\n", timing->solver, timing->chosen);
+    }
+}
+
 static void print_table(const struct solver_benchmark *benchmark) {
-    printf("%s: %d steps with integrator %s, %d rounds, %s\n\n", benchmark->scene.scene,
-           benchmark->steps, benchmark->solver->integrator, benchmark->rounds,
+    printf("%s: %d step%s with integrator %s, %d round%s, %s\n\n", benchmark->scene.scene,
+           benchmark->steps, benchmark->steps == 1 ? "" : "s", benchmark->solver->integrator,
+           benchmark->rounds, benchmark->rounds == 1 ? "" : "s",
            benchmark->scene.threads == 1 ? "one thread, processor time in ms" : "wall time in ms");
     print_rows(
         benchmark,
         "solver        prepare     ms/step  outer  linear   residual   memory MB  difference\n",
         "%-10s %10.2f  %10.3f %6.1f %7.1f   %8.2e  %10.1f    %8.2e\n");
     putchar('\n');
+    print_chosen(benchmark);
     print_unsolved(benchmark);
     print_ranking(benchmark);
 }

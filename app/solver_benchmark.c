@@ -30,8 +30,8 @@ static double box_diagonal(const pdyn_state *state) {
                 pow(high[2] - low[2], 2.0));
 }
 
-/* Stores final positions, memory and integrator. All rounds give the same positions, so the last
- * round overwrites the others. false if memory ran out. */
+/* Stores final positions, memory, solver and integrator. All rounds give the same positions, so the
+ * last round overwrites the others. false if memory ran out. */
 static bool store_result(struct solver_timing *timing, const pdyn_sim *sim, double bytes) {
     pdyn_state state = pdyn_get_state(sim);
     size_t size = 3 * (size_t)state.particles * sizeof(double);
@@ -39,6 +39,7 @@ static bool store_result(struct solver_timing *timing, const pdyn_sim *sim, doub
     if (!timing->x) return false;
     memcpy(timing->x, state.x, size);
     timing->particles = state.particles, timing->bytes = bytes;
+    snprintf(timing->chosen, sizeof timing->chosen, "%s", pdyn_solver_type(sim));
     snprintf(timing->integrator, sizeof timing->integrator, "%s", pdyn_integrator(sim));
     return true;
 }

@@ -8,6 +8,7 @@
  * solver_benchmark.c). */
 struct solver_timing {
     const char *solver;   /* name, as in solver.type */
+    char chosen[64];      /* name of the solver itself, where that is "auto" */
     double load_ms;       /* loading the scene */
     double *step_ms;      /* steps: each time step */
     double outer, linear; /* outer and linear iterations, summed over the steps */

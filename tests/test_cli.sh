@@ -204,6 +204,9 @@ contest="$root/scenes/hanging_cloth.json --set bodies.sheet.surface.grid.vertice
     --set bodies.sheet.constraints.pin.vertices.vertices=[0,16] --steps 3 --rounds 2"
 expect "compare" 0 "times as fast as with" "$program" compare $contest --solver cg,cholesky --set solver.step=projective
 expect "compare with itself" 0 "0.00e+00" sh -c "'$program' compare $(echo $contest) --solver cg,cg | grep ^cg | sed 1d"
+expect "compare says what auto is" 0 "auto begins with hybrid" "$program" compare $contest --solver auto,cg
+expect "compare of one round" 0 ": 3 steps with integrator bdf2, 1 round, one thread" \
+    "$program" compare $contest --rounds 1 --solver auto,cg
 expect "compare in one way" 0 "cholesky" sh -c "'$program' compare $(echo $contest) --solver cg,cholesky --set solver.step=projective \
     --csv | awk -F, 'NR == 2 { linear = \$5 } NR == 3 && \$5 == 3 && linear > 3 && \$8 > 0 && \$8 < 0.1'"
 expect "compare counts unsolved steps" 0 "3" sh -c "'$program' compare $(echo $contest) --solver cg,hybrid --csv |
