@@ -26,7 +26,7 @@ static const char usage[] =
     "                        wall time; --resume continues\n"
     "      --report FILE     writes the report to FILE instead of DIR/report.json\n"
     "      --ply             writes each frame as PLY in addition to VTK\n"
-    "      --no-frames       writes no frames; only metrics.csv, report.json and the last state\n"
+    "      --no-frames       writes no frames; only metrics.csv, report.json and states\n"
     "      --save N          saves the state every N frames (default 10; 0: only at the end)\n"
     "      --resume DIR      continues the run in DIR from its saved state, with bit-identical\n"
     "                        results; --time S changes the end of the run, --set step lengths,\n"
@@ -48,7 +48,7 @@ struct run_options {
     double wall_limit;    /* s: wall-clock time at which the run stops (--wall-time); 0: none */
     double recorded_end;  /* s: --time of the start of a resumed run; 0: not given */
     char duration[64];    /* the override "duration=S" of a run that is longer than its scene */
-    int changes;          /* overrides of a resumed run that its run.json lacks so far */
+    int changes;          /* overrides and --no-frames of a resumed run that run.json lacks */
     int save_interval;    /* frames between two saved states; 0: only at the end */
     bool ply, no_frames, quiet, strict;
 };
@@ -109,10 +109,12 @@ static int read_resume_options(struct run_options *o, int scenes) {
     o->output = o->resume;
     struct scene_options given = o->scene; /* its overrides come after those of run.json */
     o->scene.set = NULL, o->scene.sets = 0;
-    int code = run_record_read(o->resume, &o->scene, &o->recorded_end, &o->record);
+    bool no_frames = o->no_frames;
+    int code = run_record_read(o->resume, &o->scene, &o->recorded_end, &o->no_frames, &o->record);
+    o->changes = given.sets + (no_frames && !o->no_frames);
+    o->no_frames |= no_frames;
     for (int k = 0; k < given.sets && code == EXIT_GOOD; k++)
         if (!scene_set(&o->scene, given.set[k])) code = EXIT_FAILED;
-    o->changes = given.sets;
     free(given.set);
     if (code != EXIT_GOOD) return code;
     if (o->scene.plugins && !scene_plugins_allowed()) {
@@ -209,12 +211,13 @@ static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run
     return status;
 }
 
-/* Writes run.json of a new run, and of a resumed one with further overrides, without its --time. */
+/* Writes run.json of a new run, and of a resumed one with changes, without its --time. */
 static int write_record(const struct run_options *o) {
     struct scene_options recorded = o->scene;
     if (o->resume && !o->changes) return EXIT_GOOD;
     if (*o->duration) recorded.sets--;
-    return run_record_write(o->output, &recorded, o->resume ? o->recorded_end : o->given_end);
+    return run_record_write(o->output, &recorded, o->resume ? o->recorded_end : o->given_end,
+                            o->no_frames);
 }
 
 /* Opens the output directory for a new run or for the continuation of a run. Returns EXIT_GOOD,

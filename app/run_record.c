@@ -1,4 +1,5 @@
-/* DIR/run.json, from which `projdyn run --resume DIR` reads scene, overrides, plug-ins and end. */
+/* DIR/run.json, from which `projdyn run --resume DIR` reads scene, overrides, plug-ins, end and
+ * --no-frames. */
 #include "run_record.h"
 #include "new_file.h"
 
@@ -35,7 +36,7 @@ static bool append_path(json_t *array, const char *path) {
 
 /* The JSON object of run.json. Paths are absolute, so that a run can be resumed from any working
  * directory. NULL if memory ran out, a file is missing or a text is not UTF-8. */
-static json_t *options_to_json(const struct scene_options *o, double end) {
+static json_t *options_to_json(const struct scene_options *o, double end, bool no_frames) {
     char *scene = realpath(o->scene, NULL);
     json_t *set = json_array(), *plugins = json_array(), *root = NULL;
     bool good = scene && set && plugins;
@@ -43,7 +44,8 @@ static json_t *options_to_json(const struct scene_options *o, double end) {
         good = !json_array_append_new(set, json_string(o->set[k]));
     for (int k = 0; k < o->plugins && good; k++) good = append_path(plugins, o->plugin[k]);
     if (good) root = json_pack("{s:s, s:O, s:O}", "scene", scene, "set", set, "plugins", plugins);
-    if (root && end > 0.0 && json_object_set_new(root, "time", json_real(end)))
+    if (root && ((end > 0.0 && json_object_set_new(root, "time", json_real(end))) ||
+                 (no_frames && json_object_set_new(root, "no_frames", json_true()))))
         json_decref(root), root = NULL;
     free(scene);
     json_decref(set), json_decref(plugins);
@@ -57,10 +59,11 @@ static bool dump(const json_t *root, const char *path) {
     return file && new_file_close(file, temporary, path, !json_dumpf(root, file, JSON_INDENT(2)));
 }
 
-int run_record_write(const char *directory, const struct scene_options *options, double end) {
+int run_record_write(const char *directory, const struct scene_options *options, double end,
+                     bool no_frames) {
     char *path = path_in(directory);
     errno = 0;
-    json_t *root = options_to_json(options, end);
+    json_t *root = options_to_json(options, end, no_frames);
     if (errno != ENOMEM) errno = 0;
     bool good = path && root && dump(root, path);
     if (!good && path)
@@ -91,7 +94,7 @@ static bool options_from_json(const json_t *root, struct scene_options *o) {
 }
 
 int run_record_read(const char *directory, struct scene_options *options, double *end,
-                    void **record) {
+                    bool *no_frames, void **record) {
     json_error_t error;
     char *path = path_in(directory);
     if (!path) return EXIT_FAILED;
@@ -100,6 +103,7 @@ int run_record_read(const char *directory, struct scene_options *options, double
     bool good = root && options_from_json(root, options);
     bool no_memory = errno == ENOMEM;
     *end = json_number_value(json_object_get(root, "time"));
+    *no_frames = json_is_true(json_object_get(root, "no_frames"));
     if (no_memory) report_no_memory();
     else if (!root)
         fprintf(stderr, "projdyn: --resume: no run to continue: %s: %s\n", path, error.text);

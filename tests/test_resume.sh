@@ -65,6 +65,10 @@ check "the same frames after its stops" same_frames stopped
 "$program" run "$scene" --quiet --threads 1 -o longer --time 0.1 >/dev/null
 check "a longer end" "$program" run --resume longer --quiet --threads 1 --time 0.2
 check "the same bits after a longer end" same longer
+check "a run without frames" "$program" run "$scene" --quiet --threads 1 -o bare --time 0.1 --no-frames
+check "has none after its resume" "$program" run --resume bare --quiet --threads 1 --time 0.2
+check "not one" [ "$(find bare -name '*_0*.vtk')" = "" ]
+check "the same bits without frames" same bare
 check "nothing left to do" "$program" run --resume longer --quiet
 check "the same report then" same longer
 

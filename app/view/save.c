@@ -44,7 +44,8 @@ void save_run(struct live *live) {
     }
     bool plugins = live->scene->plugins || scene_plugins_allowed();
     pdyn_status status = save_frame(live->sim, path, true);
-    bool recorded = status == PDYN_OK && run_record_write(path, live->scene, 0.0) == EXIT_GOOD;
+    bool recorded =
+        status == PDYN_OK && run_record_write(path, live->scene, 0.0, false) == EXIT_GOOD;
     if (recorded)
         live_note(live, false, "saved to %s; to continue: projdyn run --resume %s%s --time %.4g",
                   path, path, plugins ? " --allow-plugins" : "", pdyn_time(live->sim) + 1.0);
