@@ -1,7 +1,7 @@
 /* projdyn: changes to a simulation while it runs, between two steps. What is set stays until it is
  * set again, and saved states contain it. Every function checks its numbers before it changes
  * anything: PDYN_BAD_CALL: no such particle, constraint, solid or inlet, or the simulation has
- * failed; PDYN_BAD_INPUT: a number that is not finite or out of range.
+ * failed; PDYN_BAD_INPUT: a number that is not finite or out of range. PDYN_NO_MEMORY.
  *
  * Cost of the next step, beside that of the call: "nothing", or "solvers": the linear solvers are
  * made anew, which costs an analysis and a factorisation (cholesky, hybrid) or little (cg, dual).

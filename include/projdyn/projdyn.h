@@ -349,8 +349,8 @@ PDYN_API int pdyn_solid_vertices(const pdyn_sim *sim, int solid, double *x);
  * the world. It is the sum of
  *   - the pressure of the fluid: minus the gradient of the fluid's energy with respect to the
  *     solid's boundary points, at these points (pdyn_state.boundary_x). Those of a box lie behind
- *     its faces, one particle spacing with the boundary "surface" and 0.6 with "points"; those of
- *     other solids lie on their surface;
+ *     its faces, 1.01 particle spacings with the boundary "surface", 1.29 with the kernel
+ *     "wendland", and 0.6 with "points"; those of other solids lie on their surface;
  *   - shear of a fluid with the constraint no_slip;
  *   - contact and friction of cloth and of rigid and soft bodies that touch it.
  * It does not contain the springs of surface_tension at walls. With "euler" and without those, the
