@@ -193,6 +193,31 @@ class Theory(unittest.TestCase):
         force = -2.161 * 3 * D * (1 - q) * (7 / 4 - q) * (end - start) / 0.001 * u / end
         np.testing.assert_allclose(sim.constraints["water", "viscosity"].forces()[0], force, rtol=1e-6)
 
+    def test_no_slip(self):
+        """A particle half a spacing above a plane feels the stress mu v / (d/2) on d^2."""
+        made = scene(0.001, solver={"tolerance": 1e-9})
+        made.add_fluid([[0.001, D / 2, 0.002]], velocities=[[1, 0, 0]], radius=D / 2, name="water",
+                       fluid={"stiffness": 0, "viscosity": 0, "damping": 0}, no_slip={"viscosity": 0.5})
+        made.add_solid(name="floor", plane={"center": [0, 0, 0], "normal": [0, 1, 0], "size": 0.4})
+        sim = made.load()
+        sim.step()
+        self.assertAlmostEqual(sim.solids["floor"].load().force[0] / (2 * 0.5 * D * sim.v[0, 0]), 1, delta=0.01)
+
+    def test_attachment(self):
+        made = scene(gravity=[0, -9.81, 0])
+        for name, height in ("upper", 0.1), ("lower", 0):
+            made.add_cloth(grid={"size": [0.2, 0.2], "vertices": [3, 3]}, translate=[0, height, 0], name=name,
+                           area_density=1, spring={"stretching_stiffness": 100})
+        made["bodies.upper.constraints.pin"] = {"type": "pin", "vertices": {"all": True}}
+        made["bodies.lower.constraints.attachment"] = {
+            "type": "attachment", "to": "upper", "vertices": {"all": True}, "stiffness": 50, "length": 0.5}
+        sim = made.load()
+        for _ in range(10):
+            sim.step()
+        lengths = np.linalg.norm(sim.bodies["upper"].x - sim.bodies["lower"].x, axis=1)
+        energy = 50 / 2 * ((lengths - 0.5 * 0.1) ** 2).sum()
+        self.assertAlmostEqual(sim.constraints["lower", "attachment"].energy / energy, 1, 9)
+
     def test_xsph(self):
         sim, _, v = two_particles(fluid={"stiffness": 0, "viscosity": 0.1, "damping": 0})
         u = sim.x[0] - sim.x[1]
