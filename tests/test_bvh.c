@@ -1,5 +1,5 @@
 /* Bounding volume hierarchy against a search over all pairs. */
-#include "geometry/bvh.h"
+#include "geometry/bvh_join.h"
 #include "support.h"
 
 static struct box random_box(uint64_t *seed, double size) {
@@ -24,13 +24,12 @@ static void note(void *user, int id) {
 }
 
 /* Boxes of one owner are left out, those of none are not. */
-static void check_others(const struct bvh *tree, const struct box *box, const struct box *query,
-                         int from) {
+static void check_others(const struct bvh *tree, const struct box *box, const struct box *query) {
     for (int owner = -1; owner < 3; owner++) {
         struct found found = {0};
         int expected = 0;
-        bvh_visit_others(tree, query, from, owner, note, &found);
-        for (int i = from; i < tree->count; i++)
+        bvh_visit_others(tree, query, owner, note, &found);
+        for (int i = 0; i < tree->count; i++)
             expected += box_overlaps(&box[i], query) && (owner < 0 || tree->owner[i] != owner);
         assert_int_equal(found.count, expected);
     }
@@ -47,19 +46,19 @@ static void check_set(int count, double size, uint64_t seed) {
     assert_int_equal(bvh_create(context, count + 3, &tree), PDYN_OK);
     tree.owner = owner;
     for (int again = 0; again < 2; again++) {
-        bvh_build(&tree, box, count, NULL);
+        bvh_build(&tree, box, count);
         for (int q = 0; q < 100; q++) {
             struct box query = random_box(&seed, size);
             struct found found = {0};
-            int from = q % 3 * count / 3, expected = 0;
-            bvh_visit(&tree, &query, from, note, &found);
-            for (int i = from; i < count; i++) {
+            int expected = 0;
+            bvh_visit(&tree, &query, note, &found);
+            for (int i = 0; i < count; i++) {
                 if (!box_overlaps(&box[i], &query)) continue;
                 assert_true(found.has[i]);
                 expected++;
             }
             assert_int_equal(found.count, expected);
-            check_others(&tree, box, &query, from);
+            check_others(&tree, box, &query);
         }
         for (int i = 0; i < count; i++) box[i] = random_box(&seed, size);
     }
@@ -79,30 +78,73 @@ static void test_queries(void **state) {
 }
 
 /* A hierarchy of every third box finds those and no other. */
-static void test_chosen(void **state) {
-    (void)state;
-    enum { COUNT = 500 };
-    pdyn_context *context = test_context(1);
-    struct box box[COUNT];
-    bool chosen[COUNT];
-    uint64_t seed = 7;
+
+enum { SIDE = 400 };
+
+struct side { /* of a join */
+    struct box box[SIDE];
+    int owner[SIDE];
+    bool changed[SIDE];
     struct bvh tree;
-    for (int i = 0; i < COUNT; i++) box[i] = random_box(&seed, 0.1), chosen[i] = i % 3 == 1;
-    assert_int_equal(bvh_create(context, COUNT, &tree), PDYN_OK);
-    bvh_build(&tree, box, COUNT, chosen);
-    for (int q = 0; q < 50; q++) {
-        struct box query = random_box(&seed, 0.2);
-        struct found found = {0};
-        int expected = 0;
-        bvh_visit(&tree, &query, 100, note, &found);
-        for (int i = 100; i < COUNT; i++) {
-            bool overlaps = chosen[i] && box_overlaps(&box[i], &query);
-            assert_int_equal(found.has[i], overlaps);
-            expected += overlaps;
-        }
-        assert_int_equal(found.count, expected);
+};
+
+/* One box of ten is empty. */
+static void move_some(struct side *side, int count, uint64_t *seed) {
+    for (int i = 0; i < count; i++) {
+        side->changed[i] = test_random(seed) < 0.1;
+        if (!side->changed[i]) continue;
+        side->box[i] = test_random(seed) < 0.1 ? box_empty : random_box(seed, 0.05);
     }
-    bvh_free(context, &tree);
+}
+
+static void make_side(pdyn_context *context, struct side *side, int count, uint64_t *seed) {
+    *side = (struct side){0};
+    assert_int_equal(bvh_create(context, count, &side->tree), PDYN_OK);
+    side->tree.owner = side->owner;
+    for (int i = 0; i < count; i++) side->owner[i] = i / 40 % 3 - 1;
+    for (int i = 0; i < count; i++) side->box[i] = random_box(seed, 0.05), side->changed[i] = true;
+    move_some(side, count, seed);
+    for (int i = 0; i < count; i++) side->changed[i] = true;
+    bvh_build(&side->tree, side->box, count);
+}
+
+static void note_pair(void *user, int a, int b) { ((unsigned char(*)[SIDE])user)[a][b]++; }
+
+/* Every pair of overlapping boxes with a change is found once. */
+static void check_join(const struct side *a, const struct side *b) {
+    static unsigned char found[SIDE][SIDE];
+    struct group_pair part[BVH_PARTS];
+    const struct bvh_join join = {{&a->tree, &b->tree}};
+    int parts = bvh_join_divide(&join, part);
+    memset(found, 0, sizeof found);
+    assert_in_range(parts, 0, BVH_PARTS);
+    for (int k = 0; k < parts; k++) bvh_join_visit(&join, part[k], note_pair, found);
+    for (int i = 0; i < a->tree.count; i++)
+        for (int k = a == b ? i : 0; k < b->tree.count; k++) {
+            bool others = a->owner[i] < 0 || a->owner[i] != b->owner[k];
+            bool expected = others && (a->changed[i] || b->changed[k]) &&
+                            box_overlaps(&a->box[i], &b->box[k]) && !(a == b && i == k);
+            int times = found[i][k] + (a == b && i != k ? found[k][i] : 0);
+            assert_int_equal(times, expected);
+        }
+}
+
+/* Hierarchies of different height, and of one with itself, as built and after changes. */
+static void test_join(void **state) {
+    (void)state;
+    static const int counts[][2] = {{1, 1}, {400, 3}, {5, 400}, {64, 65}, {400, 399}, {0, 7}};
+    static struct side a, b;
+    pdyn_context *context = test_context(1);
+    uint64_t seed = 5;
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
+        make_side(context, &a, counts[k][0], &seed), make_side(context, &b, counts[k][1], &seed);
+        for (int again = 0; again < 4; again++) {
+            check_join(&a, &b), check_join(&a, &a);
+            move_some(&a, counts[k][0], &seed), move_some(&b, counts[k][1], &seed);
+            bvh_refit(&a.tree, a.box, a.changed), bvh_refit(&b.tree, b.box, b.changed);
+        }
+        bvh_free(context, &a.tree), bvh_free(context, &b.tree);
+    }
     pdyn_destroy(context);
 }
 
@@ -115,9 +157,9 @@ static void test_heap(void **state) {
     struct found found = {0};
     for (int i = 0; i < 100; i++) box[i] = (struct box){{1, 1, 1}, {1, 1, 1}};
     assert_int_equal(bvh_create(context, 100, &tree), PDYN_OK);
-    bvh_build(&tree, box, 100, NULL);
-    bvh_visit(&tree, &box[0], 10, note, &found);
-    assert_int_equal(found.count, 90);
+    bvh_build(&tree, box, 100);
+    bvh_visit(&tree, &box[0], note, &found);
+    assert_int_equal(found.count, 100);
     bvh_free(context, &tree);
     pdyn_destroy(context);
 }
@@ -125,7 +167,7 @@ static void test_heap(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_queries),
-        cmocka_unit_test(test_chosen),
+        cmocka_unit_test(test_join),
         cmocka_unit_test(test_heap),
     };
     return cmocka_run_group_tests_name("boxes", tests, NULL, NULL);

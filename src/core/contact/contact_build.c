@@ -64,6 +64,8 @@ static void add_bodies(struct contact *c, const struct contact_def *def) {
         for (int k = 0; k < 3 * body->triangles; k++)
             c->face[3 * faces + k] = points + body->triangle[k];
         for (int k = 0; k < 2 * body->edges; k++) c->edge[2 * edges + k] = points + body->edge[k];
+        for (int i = 0; first == &points && i < body->count; i++)
+            c->broad.vertex_body[points + i] = alone;
         for (int k = 0; k < body->triangles; k++) c->broad.face_body[faces + k] = alone;
         for (int k = 0; k < body->edges; k++) c->broad.edge_body[edges + k] = alone;
         *first += body->count, faces += body->triangles, edges += body->edges;
@@ -96,17 +98,25 @@ static void add_solids(struct contact *c, const struct scene *scene) {
     }
 }
 
-/* Each tree twice: of surfaces, whose faces and edges may have owners, and of solids. */
+/* The parts of surfaces may have owners. */
 static pdyn_status create_trees(struct contact *c) {
     struct broad_phase *b = &c->broad;
-    struct bvh *const trees[] = {b->face_tree, b->changed_faces, b->edge_tree, b->changed_edges};
+    const struct {
+        struct bvh *tree;
+        int capacity;
+        const int *owner;
+    } tree[] = {
+        {&b->vertex_tree, c->vertices, b->vertex_body},
+        {&b->other_tree, c->points - c->vertices, NULL},
+        {&b->face_tree[0], c->free_faces, b->face_body},
+        {&b->face_tree[1], c->faces - c->free_faces, NULL},
+        {&b->edge_tree[0], c->free_edges, b->edge_body},
+        {&b->edge_tree[1], c->edges - c->free_edges, NULL},
+    };
     pdyn_status status = PDYN_OK;
-    for (int k = 0; k < 8 && status == PDYN_OK; k++) {
-        bool edges = k >= 4, solids = k % 2;
-        int free = edges ? c->free_edges : c->free_faces, all = edges ? c->edges : c->faces;
-        struct bvh *tree = trees[k / 2] + solids;
-        status = bvh_create(c->context, solids ? all - free : free, tree);
-        if (!solids) tree->owner = edges ? b->edge_body : b->face_body;
+    for (size_t k = 0; k < sizeof tree / sizeof *tree && status == PDYN_OK; k++) {
+        status = bvh_create(c->context, tree[k].capacity, tree[k].tree);
+        tree[k].tree->owner = tree[k].owner;
     }
     return status;
 }
@@ -148,8 +158,10 @@ static bool resize(struct contact *c, enum array_action action) {
         ARRAY(c->begin, 3 * solids),
         ARRAY(c->goal, 3 * solids),
         ARRAY(c->broad.region, n),
+        ARRAY(c->broad.point_box, n),
         ARRAY(c->broad.face_box, c->faces),
         ARRAY(c->broad.edge_box, edges),
+        ARRAY(c->broad.vertex_body, c->vertices),
         ARRAY(c->broad.face_body, c->free_faces),
         ARRAY(c->broad.edge_body, c->free_edges),
         ARRAY(c->broad.changed, n),
@@ -185,18 +197,15 @@ void contact_free(struct contact *c) {
     if (!c) return;
     pdyn_context *x = c->context;
     contact_free_pairs(c);
-    FREE_ARRAY(x, c->found.pair, c->found.room);
-    FREE_ARRAY(x, c->found.start, c->found.blocks + 1);
-    FREE_ARRAY(x, c->found.count, c->found.blocks);
     contact_list_free(x, &c->current);
     contact_list_free(x, &c->start);
     row_memory_free(x, &c->pressed, sizeof *c->current.force);
     bearings_free(c);
+    bvh_free(x, &c->broad.vertex_tree);
+    bvh_free(x, &c->broad.other_tree);
     for (int k = 0; k < 2; k++) {
         bvh_free(x, &c->broad.face_tree[k]);
         bvh_free(x, &c->broad.edge_tree[k]);
-        bvh_free(x, &c->broad.changed_faces[k]);
-        bvh_free(x, &c->broad.changed_edges[k]);
     }
     resize(c, ARRAYS_FREE);
     FREE_ARRAY(x, c, 1);

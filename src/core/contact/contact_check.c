@@ -85,11 +85,11 @@ static pdyn_status fail_intersecting(const struct contact *c, int e, int f) {
 static pdyn_status check_intersections(const struct contact *c) {
     for (int e = 0; e < c->edges; e++) {
         struct crossing s = {.contact = c, .edge = e, .face = -1};
-        bvh_visit_others(&c->broad.face_tree[0], &c->broad.edge_box[e], 0, c->group[c->edge[2 * e]],
-                         try_face, &s);
+        struct box box;
+        contact_wrap_regions(c, c->edge + 2 * e, 2, &box);
+        bvh_visit_others(&c->broad.face_tree[0], &box, c->group[c->edge[2 * e]], try_face, &s);
         s.base = c->free_faces;
-        if (e < c->free_edges)
-            bvh_visit(&c->broad.face_tree[1], &c->broad.edge_box[e], 0, try_face, &s);
+        if (e < c->free_edges) bvh_visit(&c->broad.face_tree[1], &box, try_face, &s);
         if (s.face >= 0) return fail_intersecting(c, e, s.face);
     }
     return PDYN_OK;

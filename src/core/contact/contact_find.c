@@ -89,22 +89,30 @@ static void set_contact(struct contact *c, int e, const struct hit *hit) {
 
 static void set_contacts(void *arg, int first, int last, int block) {
     struct contact *c = arg;
-    (void)last;
-    for (int k = 0, e = c->hits.start[block]; k < c->hits.count[block]; k++, e++)
-        set_contact(c, e, &c->hits.hit[first + k]);
+    (void)block;
+    for (int e = first; e < last; e++) set_contact(c, e, &c->hits.hit[c->hits.sorted[e].place]);
+}
+
+/* Sorts the hits of all blocks by the keys of their pairs; returns their number. */
+static int sort_hits(struct contact *c) {
+    int count = 0;
+    for (int b = 0; b < pool_blocks(c->pairs.count, CONTACT_GRAIN); b++)
+        for (int k = b * CONTACT_GRAIN; k < b * CONTACT_GRAIN + c->hits.count[b]; k++)
+            c->hits.sorted[count++] = (struct keyed){c->pairs.pair[c->hits.hit[k].pair].key, k};
+    sort_by_key(c->hits.sorted, count);
+    return count;
 }
 
 pdyn_status contact_find(struct contact *c) {
-    int blocks = pool_blocks(c->pairs.count, CONTACT_GRAIN), count = 0;
     pool_for(c->context->pool, c->pairs.count, CONTACT_GRAIN, find_hits, c);
     memcpy(c->pairs.seen, c->at, 3 * (size_t)c->points * sizeof *c->pairs.seen);
-    for (int b = 0; b < blocks; b++) c->hits.start[b] = count, count += c->hits.count[b];
+    int count = sort_hits(c);
     pdyn_status status = reserve(c->context, &c->current, count);
     if (status == PDYN_OK)
         status = row_memory_reserve(c->context, &c->pressed, count, sizeof *c->current.force);
     if (status != PDYN_OK) return status;
     c->current.view.count = count;
-    pool_for(c->context->pool, c->pairs.count, CONTACT_GRAIN, set_contacts, c);
+    pool_for(c->context->pool, count, CONTACT_GRAIN, set_contacts, c);
     return PDYN_OK;
 }
 

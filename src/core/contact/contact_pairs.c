@@ -3,23 +3,17 @@
  * complete while every point is in its region.
  *
  * Only the pairs of points with new regions are searched anew: most searches of an impact are for a
- * few of thousands of points. The list is sorted, so that it depends on the regions and not on
- * earlier lists: a resumed run makes it again from the regions. */
+ * few of thousands of points. Which pairs are in the list depends on the regions alone, their order
+ * on threads and earlier lists, too; contacts are sorted (contact_find.c). */
 #include "contact_parts.h"
 
+#include "geometry/bvh_join.h"
 #include "projdyn/vec3.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
-enum { QUERIES = 64 }; /* of a parallel block */
-
-/* ---- the search ------------------------------------------------------------------------------ */
-
-struct search { /* for the pairs of one point or edge, number a */
-    struct contact *contact;
-    bool edges;
-    int a, base, block; /* base: number of the first box of the tree */
-};
+/* ---- pairs ----------------------------------------------------------------------------------- */
 
 static bool share_point(const int point[4], int first) {
     for (int k = 0; k < first; k++)
@@ -94,98 +88,83 @@ static struct pair make_pair(const struct contact *c, bool edges, int a, int b) 
     return p;
 }
 
-static void visit(void *user, int id) {
-    const struct search *s = user;
-    struct contact *c = s->contact;
-    if (s->edges && c->flat.edge[s->base + id]) return;
-    struct pair p = make_pair(c, s->edges, s->a, s->base + id);
-    if (!close_enough(c, &p)) return;
-    size_t at = c->found.start[s->block] + (size_t)c->found.count[s->block]++;
-    if (at < c->found.start[s->block + 1]) c->found.pair[at] = p;
+/* ---- the search ------------------------------------------------------------------------------ */
+
+enum { TASKS = 4 };     /* of a parallel block */
+enum { GATHERED = 64 }; /* pairs of a task before they go to the list */
+
+struct search { /* of pairs of one kind of primitive with another one */
+    struct bvh_join join;
+    bool edges;
+    int first[2]; /* numbers of the first boxes of the two trees */
+};
+
+enum { SEARCHES = 5 };
+
+struct searches {
+    struct contact *contact;
+    struct search search[SEARCHES];
+    int tasks; /* parts of searches */
+    struct task {
+        const struct search *search;
+        struct group_pair part;
+    } task[SEARCHES * BVH_PARTS];
+    atomic_long found; /* pairs in all, in the list or more than it has room for */
+};
+
+struct gathered { /* new pairs of a task */
+    struct searches *all;
+    const struct search *search;
+    int count;
+    struct pair pair[GATHERED];
+};
+
+static void add_to_list(struct gathered *g) {
+    struct pair_list *list = &g->all->contact->pairs;
+    long at = list->count + atomic_fetch_add(&g->all->found, g->count);
+    if (at + g->count <= list->room)
+        memcpy(list->pair + at, g->pair, (size_t)g->count * sizeof *g->pair);
+    g->count = 0;
 }
 
-static void search_around(struct search *s, const struct box *box) {
-    struct contact *c = s->contact;
-    bool changed = s->edges ? c->broad.edge_changed[s->a] : c->broad.changed[s->a];
-    const struct bvh *tree = s->edges  ? changed ? c->broad.edge_tree : c->broad.changed_edges
-                             : changed ? c->broad.face_tree
-                                       : c->broad.changed_faces;
-    int group = c->group[s->edges ? c->edge[2 * s->a] : s->a];
-    s->base = 0;
-    bvh_visit_others(&tree[0], box, s->edges ? s->a + 1 : 0, group, visit, s);
-    if (!s->edges && s->a >= c->vertices) return; /* solids act on fluids by their samples */
-    s->base = s->edges ? c->free_edges : c->free_faces;
-    bvh_visit(&tree[1], box, 0, visit, s);
+static void visit(void *user, int a, int b) {
+    struct gathered *g = user;
+    a += g->search->first[0], b += g->search->first[1];
+    bool swap = g->search->edges && b < a;
+    struct pair *p = &g->pair[g->count];
+    *p = make_pair(g->all->contact, g->search->edges, swap ? b : a, swap ? a : b);
+    if (close_enough(g->all->contact, p) && ++g->count == GATHERED) add_to_list(g);
 }
 
-/* Sorts the pairs of one query, those of a block from number `first` on, by their keys. */
-static void sort_found(struct contact *c, int block, int first) {
-    struct pair *pair = c->found.pair + c->found.start[block];
-    size_t room = c->found.start[block + 1] - c->found.start[block];
-    for (int k = first + 1; k < c->found.count[block] && (size_t)k < room; k++) {
-        struct pair p = pair[k];
-        int to = k;
-        for (; to > first && pair[to - 1].key > p.key; to--) pair[to] = pair[to - 1];
-        pair[to] = p;
+static void do_tasks(void *arg, int first, int last, int block) {
+    struct searches *all = arg;
+    (void)block;
+    for (int k = first; k < last; k++) {
+        struct gathered g = {.all = all, .search = all->task[k].search};
+        bvh_join_visit(&g.search->join, all->task[k].part, visit, &g);
+        add_to_list(&g);
     }
 }
 
-/* A range of queries: each point is a query, then each edge of a surface. */
-static void search_block(void *arg, int first, int last, int block) {
-    struct contact *c = arg;
-    c->found.count[block] = 0;
-    for (int q = first; q < last; q++) {
-        bool edges = q >= c->points;
-        int begin = c->found.count[block];
-        struct search s = {.contact = c, .edges = edges, .a = edges ? q - c->points : q};
-        struct box point;
-        s.block = block;
-        if (!edges && (c->group[q] < 0 || box_is_empty(&c->broad.region[q]))) continue;
-        if (edges ? c->flat.edge[s.a] : c->flat.point[q]) continue;
-        if (!edges) contact_wrap_regions(c, &q, 1, &point);
-        search_around(&s, edges ? &c->broad.edge_box[s.a] : &point);
-        sort_found(c, block, begin);
+/* Solids act on fluids by their samples, and not on each other. */
+static void list_tasks(struct contact *c, struct searches *all) {
+    struct broad_phase *b = &c->broad;
+    int solid_faces = c->free_faces, solid_edges = c->free_edges;
+    struct search search[SEARCHES] = {
+        {{{&b->vertex_tree, &b->face_tree[0]}}, false, {0, 0}},
+        {{{&b->vertex_tree, &b->face_tree[1]}}, false, {0, solid_faces}},
+        {{{&b->other_tree, &b->face_tree[0]}}, false, {c->vertices, 0}},
+        {{{&b->edge_tree[0], &b->edge_tree[0]}}, true, {0, 0}},
+        {{{&b->edge_tree[0], &b->edge_tree[1]}}, true, {0, solid_edges}},
+    };
+    memcpy(all->search, search, sizeof search);
+    all->contact = c, all->tasks = 0;
+    for (int k = 0; k < SEARCHES; k++) {
+        struct group_pair part[BVH_PARTS];
+        int parts = bvh_join_divide(&all->search[k].join, part);
+        for (int m = 0; m < parts; m++)
+            all->task[all->tasks++] = (struct task){&all->search[k], part[m]};
     }
-}
-
-/* Gives each block room for twice as many pairs as it has found. */
-static pdyn_status make_block_room(struct contact *c) {
-    size_t room = 0;
-    for (int b = 0; b < c->found.blocks; b++) room += 64 + 2 * (size_t)c->found.count[b];
-    struct pair *found =
-        context_grow(c->context, c->found.pair, &c->found.room, room, sizeof *found);
-    if (!found) return PDYN_NO_MEMORY;
-    c->found.pair = found;
-    for (int b = 0; b < c->found.blocks; b++)
-        c->found.start[b + 1] = c->found.start[b] + 64 + 2 * (size_t)c->found.count[b];
-    return PDYN_OK;
-}
-
-/* Makes room for the search before the first one. */
-static pdyn_status prepare(struct contact *c) {
-    if (c->found.pair) return PDYN_OK;
-    c->found.blocks = pool_blocks(c->points + c->free_edges, QUERIES);
-    if (!c->found.count) c->found.count = NEW_ARRAY(c->context, c->found.blocks, int);
-    if (!c->found.start) c->found.start = NEW_ARRAY(c->context, c->found.blocks + 1, size_t);
-    return c->found.count && c->found.start ? make_block_room(c) : PDYN_NO_MEMORY;
-}
-
-static bool is_complete(const struct contact *c) {
-    bool complete = true;
-    for (int b = 0; b < c->found.blocks; b++)
-        complete &= c->found.start[b] + (size_t)c->found.count[b] <= c->found.start[b + 1];
-    return complete;
-}
-
-/* Repeats the search with more room if a block found more pairs than it had room for. */
-static pdyn_status search(struct contact *c) {
-    pdyn_status status = prepare(c);
-    while (status == PDYN_OK) {
-        pool_for(c->context->pool, c->points + c->free_edges, QUERIES, search_block, c);
-        if (is_complete(c)) return PDYN_OK;
-        status = make_block_room(c);
-    }
-    return status;
 }
 
 /* ---- the list -------------------------------------------------------------------------------- */
@@ -195,7 +174,7 @@ static bool resize_arrays(struct contact *c, enum array_action action) {
     int blocks = pool_blocks(c->pairs.room, CONTACT_GRAIN);
     const struct array_entry table[] = {
         ARRAY(c->hits.hit, c->pairs.room),    ARRAY(c->hits.count, blocks),
-        ARRAY(c->hits.start, blocks),         ARRAY(c->path.candidate, c->pairs.room),
+        ARRAY(c->hits.sorted, c->pairs.room), ARRAY(c->path.candidate, c->pairs.room),
         ARRAY(c->path.candidates, blocks),    ARRAY(c->path.blocked, c->pairs.room),
         ARRAY(c->path.blocked_count, blocks),
     };
@@ -232,40 +211,35 @@ static void drop_changed(struct contact *c) {
     c->pairs.count = kept;
 }
 
-/* Merges what the blocks found with the list, from the end; both are sorted by keys. */
-static void merge(struct contact *c, int count) {
-    int kept = c->pairs.count, to = c->pairs.count = kept + count;
-    for (int b = c->found.blocks - 1; b >= 0; b--) {
-        const struct pair *found = c->found.pair + c->found.start[b];
-        for (int k = c->found.count[b] - 1; k >= 0; k--) {
-            while (kept && c->pairs.pair[kept - 1].key > found[k].key)
-                c->pairs.pair[--to] = c->pairs.pair[--kept];
-            c->pairs.pair[--to] = found[k];
-        }
-    }
-}
-
 void contact_measure_moved(struct contact *c, const double *x) {
     for (int i = 0; i < c->points; i++)
         c->pairs.moved[i] = vec3_distance(x + 3 * i, c->pairs.seen + 3 * i);
 }
 
+/* Adds the new pairs to the list; again with more room if it has too little. */
+static pdyn_status add_new(struct contact *c) {
+    struct searches all;
+    list_tasks(c, &all);
+    for (;;) {
+        atomic_init(&all.found, 0);
+        pool_for(c->context->pool, all.tasks, TASKS, do_tasks, &all);
+        long count = c->pairs.count + atomic_load(&all.found);
+        if (count > INT32_MAX / 4)
+            return set_error(PDYN_DIVERGED, "contact: %ld pairs are close", count);
+        bool fits = count <= c->pairs.room;
+        if (fits) c->pairs.count = (int)count;
+        if (fits || reserve(c, (int)count) != PDYN_OK) return fits ? PDYN_OK : PDYN_NO_MEMORY;
+    }
+}
+
 /* Finds the pairs of all points that have changed anew; the others stay. */
 static pdyn_status update_list(struct contact *c) {
-    long count = 0;
     if (c->broad.all_changed)
         memcpy(c->pairs.seen, c->broad.built, 3 * (size_t)c->points * sizeof *c->pairs.seen);
     contact_measure_moved(c, c->broad.built);
     contact_update_trees(c);
     drop_changed(c);
-    pdyn_status status = search(c);
-    if (status != PDYN_OK) return status;
-    for (int b = 0; b < c->found.blocks; b++) count += c->found.count[b];
-    if (count + c->pairs.count > INT32_MAX / 4)
-        return set_error(PDYN_DIVERGED, "contact: %ld pairs are close", count);
-    status = reserve(c, c->pairs.count + (int)count);
-    if (status == PDYN_OK) merge(c, (int)count);
-    return status;
+    return add_new(c);
 }
 
 pdyn_status contact_list(struct contact *c) {

@@ -4,6 +4,7 @@
 
 #include "contact.h"
 
+#include "base/sort_by_key.h"
 #include "geometry/bvh.h"
 #include "geometry/distance.h"
 #include "rows/row_memory.h"
@@ -76,29 +77,22 @@ struct broad_phase {
     struct box *region; /* points: while all points are inside, the list of pairs is complete */
     double *built;      /* points x 3, m: positions when the regions were set */
     double *reach;      /* points, m: the largest distance from there within the region */
-    struct box *face_box, *edge_box;               /* faces, edges_room */
-    struct bvh face_tree[2], edge_tree[2];         /* of surfaces; of solids */
-    struct bvh changed_faces[2], changed_edges[2]; /* of those with points that have changed */
-    bool *changed;                                 /* points: whose pairs are searched anew */
-    bool *face_changed, *edge_changed;             /* faces, edges_room: with such points */
+    struct box *point_box, *face_box, *edge_box; /* points, faces, edges_room; empty: no pairs */
+    struct bvh vertex_tree, other_tree;          /* of vertices of surfaces; of other points */
+    struct bvh face_tree[2], edge_tree[2];       /* of surfaces; of solids */
+    bool *changed;                               /* points: whose pairs are searched anew */
+    bool *face_changed, *edge_changed;           /* faces, edges_room: with such points */
     bool all_changed;
-    int *face_body, *edge_body; /* free_faces, free_edges: the group, if it does not touch itself;
-                                   -1: it does */
+    int moved; /* points that got new regions since the trees were built */
+    int *vertex_body, *face_body, *edge_body; /* vertices, free_faces, free_edges: the group, if it
+                                                 does not touch itself; -1: it does */
 };
 
-struct pair_list {     /* what the broad phase found */
-    int count, room;   /* room: of `pair`, and of arrays of contact_paths and contact_hits */
-    struct pair *pair; /* sorted by keys */
-    double *seen;      /* points x 3, m: positions of the distances of pairs */
-    double *moved;     /* points, m: distance from there */
-};
-
-struct pair_search { /* new pairs, by blocks of the parallel search */
-    int blocks;
-    size_t room;
-    struct pair *pair; /* room: those of block b from start[b] on */
-    size_t *start;     /* blocks + 1 */
-    int *count;        /* blocks */
+struct pair_list {   /* what the broad phase found */
+    int count, room; /* room: of `pair`, and of arrays of contact_paths and contact_hits */
+    struct pair *pair;
+    double *seen;  /* points x 3, m: positions of the distances of pairs */
+    double *moved; /* points, m: distance from there */
 };
 
 /* Displacements without collision (contact_filter.c). */
@@ -116,8 +110,9 @@ struct contact_paths {
 
 /* Pairs that are closer than their thickness (contact_find.c). */
 struct contact_hits {
-    struct hit *hit;    /* room: each block of pairs has its hits at its own place */
-    int *count, *start; /* room / CONTACT_GRAIN */
+    struct hit *hit;      /* room: each block of pairs has its hits at its own place */
+    int *count;           /* room / CONTACT_GRAIN */
+    struct keyed *sorted; /* room: all of them, by the keys of their pairs */
 };
 
 struct contact {
@@ -153,7 +148,6 @@ struct contact {
     struct common_motion common;
     struct broad_phase broad;
     struct pair_list pairs;
-    struct pair_search found;
     struct contact_paths path;
     struct contact_hits hits;
     struct contact_list current; /* of the last local step */
@@ -186,7 +180,7 @@ bool contact_is_beyond_flat_side(const struct contact *contact, const struct pai
  * NULL: none), new ones, and all points if these are many; marks them as changed. Returns whether
  * there are any. */
 bool contact_update_regions(struct contact *contact, const double *x, const double *step);
-/* Builds the trees of faces and edges around the regions. */
+/* Builds or refits the trees of points, faces and edges around the regions. */
 void contact_update_trees(struct contact *contact);
 /* Whether one of the points has changed. */
 bool contact_has_changed(const struct contact *contact, const int *point, int points);

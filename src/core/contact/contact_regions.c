@@ -57,6 +57,7 @@ bool contact_update_regions(struct contact *c, const double *x, const double *st
     for (int i = 0; i < c->points; i++)
         count += c->broad.changed[i] = !region_contains(c, i, x, step);
     c->broad.all_changed = count > c->points / MANY;
+    c->broad.moved += count;
     for (int i = 0; i < c->points; i++) {
         c->broad.changed[i] |= c->broad.all_changed;
         if (c->broad.changed[i]) set_region(c, i, x, step);
@@ -81,31 +82,45 @@ void contact_wrap_regions(const struct contact *c, const int *point, int points,
     box_grow(box, 0.5 * c->settings->thickness);
 }
 
-/* Builds the trees of surfaces (kind 0) or solids (kind 1): of all faces, of all edges, and of the
- * faces and edges that have changed. A point or edge that has not changed has new pairs only with
- * something that has: its search takes the trees of changed ones. */
-static void build_trees(struct contact *c, int kind) {
-    int f = kind ? c->free_faces : 0, faces = kind ? c->faces - f : c->free_faces;
-    int e = kind ? c->free_edges : 0, edges = kind ? c->edges - e : c->free_edges;
-    bvh_build(&c->broad.face_tree[kind], c->broad.face_box + f, faces, NULL);
-    bvh_build(&c->broad.edge_tree[kind], c->broad.edge_box + e, edges, NULL);
-    if (c->broad.all_changed) return;
-    bvh_build(&c->broad.changed_faces[kind], c->broad.face_box + f, faces,
-              c->broad.face_changed + f);
-    bvh_build(&c->broad.changed_edges[kind], c->broad.edge_box + e, edges,
-              c->broad.edge_changed + e);
+/* changed: NULL for all. */
+static void update_tree(struct bvh *tree, const struct box *box, int count, bool build,
+                        const bool *changed) {
+    if (build) bvh_build(tree, box, count);
+    if (changed) bvh_refit(tree, box, changed);
 }
 
+/* Trees are built again where all points have new regions, or as many since the last time. */
+static void update_trees(struct contact *c) {
+    struct broad_phase *b = &c->broad;
+    int v = c->vertices, f = c->free_faces, e = c->free_edges;
+    bool all = b->all_changed, build = all || b->moved > c->points;
+    const bool *point = all ? NULL : b->changed, *face = all ? NULL : b->face_changed,
+               *edge = all ? NULL : b->edge_changed;
+    if (build) b->moved = 0;
+    update_tree(&b->vertex_tree, b->point_box, v, build, point);
+    update_tree(&b->other_tree, b->point_box + v, c->points - v, build, all ? NULL : point + v);
+    update_tree(&b->face_tree[0], b->face_box, f, build, face);
+    update_tree(&b->face_tree[1], b->face_box + f, c->faces - f, build, all ? NULL : face + f);
+    update_tree(&b->edge_tree[0], b->edge_box, e, build, edge);
+    update_tree(&b->edge_tree[1], b->edge_box + e, c->edges - e, build, all ? NULL : edge + e);
+}
+
+/* Points that no triangle has, and flat parts of solids and rigid bodies, have no pairs. */
 void contact_update_trees(struct contact *c) {
+    struct broad_phase *b = &c->broad;
+    for (int i = 0; i < c->points; i++) {
+        bool pairs = c->group[i] >= 0 && !c->flat.point[i] && !box_is_empty(&b->region[i]);
+        if (b->changed[i]) contact_wrap_regions(c, &i, pairs ? 1 : 0, &b->point_box[i]);
+    }
     for (int f = 0; f < c->faces; f++) {
-        c->broad.face_changed[f] = contact_has_changed(c, c->face + 3 * f, 3);
-        if (c->broad.face_changed[f])
-            contact_wrap_regions(c, c->face + 3 * f, 3, &c->broad.face_box[f]);
+        b->face_changed[f] = contact_has_changed(c, c->face + 3 * f, 3);
+        if (b->face_changed[f]) contact_wrap_regions(c, c->face + 3 * f, 3, &b->face_box[f]);
     }
     for (int e = 0; e < c->edges; e++) {
-        c->broad.edge_changed[e] = contact_has_changed(c, c->edge + 2 * e, 2);
-        if (c->broad.edge_changed[e])
-            contact_wrap_regions(c, c->edge + 2 * e, 2, &c->broad.edge_box[e]);
+        const int *edge = c->edge + 2 * e;
+        b->edge_changed[e] = contact_has_changed(c, edge, 2);
+        if (b->edge_changed[e])
+            contact_wrap_regions(c, edge, c->flat.edge[e] ? 0 : 2, &b->edge_box[e]);
     }
-    for (int kind = 0; kind < 2; kind++) build_trees(c, kind);
+    update_trees(c);
 }

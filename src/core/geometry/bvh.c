@@ -1,8 +1,6 @@
 /* A bounding volume hierarchy by Morton order: build and box queries. */
 #include "bvh.h"
 
-#include "projdyn/simd.h"
-
 #include <math.h>
 #include <string.h>
 
@@ -51,19 +49,20 @@ static uint32_t spread(uint32_t v) {
     return (v | v << 2) & 0x09249249u;
 }
 
-/* Computes the Morton codes of the centres of the boxes in `order`. */
+/* Computes the Morton codes of the centres of the boxes; 0 of an empty one. */
 static void compute_keys(struct bvh *tree, const struct box *box) {
     struct box bounds = box_empty;
     double middle[3], scale = 0.0;
-    for (int k = 0; k < tree->count; k++) {
-        box_add(&bounds, box[tree->order[k]].min);
-        box_add(&bounds, box[tree->order[k]].max);
+    for (int i = 0; i < tree->count; i++) {
+        if (box_is_empty(&box[i])) continue;
+        box_add(&bounds, box[i].min);
+        box_add(&bounds, box[i].max);
     }
     for (int a = 0; a < 3; a++) scale = fmax(scale, bounds.max[a] - bounds.min[a]);
     scale = scale > 0.0 ? 1023.0 / scale : 0.0;
-    for (int k = 0; k < tree->count; k++) {
-        int i = tree->order[k];
+    for (int i = 0; i < tree->count; i++) {
         tree->key[i] = 0;
+        if (box_is_empty(&box[i])) continue;
         for (int a = 0; a < 3; a++) {
             middle[a] = 0.5 * (box[i].min[a] + box[i].max[a]) - bounds.min[a];
             tree->key[i] |= spread((uint32_t)(scale * middle[a])) << a;
@@ -99,6 +98,12 @@ static int owner_of(const struct box_group *group) {
     return same ? group->owner[0] : -1;
 }
 
+static bool has_changed(const struct box_group *group) {
+    bool changed = false;
+    for (int k = 0; k < BVH_WIDTH; k++) changed |= group->changed[k];
+    return changed;
+}
+
 static struct box bounds_of(const struct box_group *group) {
     struct box box = box_empty;
     for (int a = 0; a < 3; a++)
@@ -109,52 +114,47 @@ static struct box bounds_of(const struct box_group *group) {
     return box;
 }
 
-void bvh_build(struct bvh *tree, const struct box *box, int count, const bool *chosen) {
-    tree->count = 0;
-    for (int i = 0; i < count; i++)
-        if (!chosen || chosen[i]) tree->order[tree->count++] = i;
-    count = tree->count;
+/* Sets the lanes of all levels whose boxes have changed; changed: NULL for all boxes. */
+static void fit(struct bvh *tree, const struct box *box, const bool *changed) {
+    for (int level = 0, used = tree->count; level < tree->levels; level++) {
+        struct box_group *groups = tree->group + tree->first[level];
+        int count = tree->first[level + 1] - tree->first[level];
+        for (int k = 0; k < BVH_WIDTH * count; k++) {
+            struct box_group *group = &groups[k / BVH_WIDTH];
+            int lane = k % BVH_WIDTH, i = !level && k < used ? tree->order[k] : -1;
+            const struct box_group *under =
+                level && k < used ? tree->group + tree->first[level - 1] + k : NULL;
+            struct box one = box_empty;
+            int owner = group->owner[0];
+            bool has = under ? has_changed(under) : i >= 0 && (!changed || changed[i]);
+            group->changed[lane] = has;
+            if (!has && k < used) continue;
+            if (under) one = bounds_of(under), owner = owner_of(under);
+            else if (i >= 0) one = box[i], owner = tree->owner ? tree->owner[i] : -1;
+            set_lane(group, lane, &one, owner);
+        }
+        used = count;
+    }
+}
+
+void bvh_refit(struct bvh *tree, const struct box *box, const bool *changed) {
+    if (tree->count) fit(tree, box, changed);
+}
+
+void bvh_build(struct bvh *tree, const struct box *box, int count) {
+    tree->count = count;
     count_groups(count, &tree->levels, tree->first);
     if (!count) return;
+    for (int i = 0; i < count; i++) tree->order[i] = i;
     compute_keys(tree, box);
     sort_keys(tree, count);
-    for (int level = 0, below = count; level < tree->levels; level++) {
-        struct box_group *group = tree->group + tree->first[level];
-        int groups = tree->first[level + 1] - tree->first[level];
-        for (int k = 0; k < BVH_WIDTH * groups; k++) {
-            const struct box_group *under =
-                level && k < below ? tree->group + tree->first[level - 1] + k : NULL;
-            struct box one = box_empty;
-            int owner = group[k / BVH_WIDTH].owner[0];
-            if (under) one = bounds_of(under), owner = owner_of(under);
-            else if (k < below)
-                one = box[tree->order[k]], owner = tree->owner ? tree->owner[tree->order[k]] : -1;
-            set_lane(&group[k / BVH_WIDTH], k % BVH_WIDTH, &one, owner);
-        }
-        below = groups;
-    }
+    fit(tree, box, NULL);
 }
 
 /* ---- queries --------------------------------------------------------------------------------- */
 
-typedef int64_t lanes4 __attribute__((vector_size(32)));
-
-/* Sets lanes[k] to a value other than 0 if box k of the group overlaps `box`. */
-INLINE void test_group(const struct box_group *group, const struct box *box, int64_t lanes[4]) {
-    v4 min, max;
-    lanes4 good = {-1, -1, -1, -1};
-    for (int a = 0; a < 3; a++) {
-        v4 low = {box->min[a], box->min[a], box->min[a], box->min[a]};
-        v4 high = {box->max[a], box->max[a], box->max[a], box->max[a]};
-        memcpy(&min, group->min[a], sizeof min);
-        memcpy(&max, group->max[a], sizeof max);
-        good &= (min <= high) & (low <= max);
-    }
-    memcpy(lanes, &good, sizeof good);
-}
-
 /* Depth-first traversal with a stack of groups and their levels. */
-WIDE static void visit_groups(const struct bvh *tree, const struct box *box, int from, int except,
+WIDE static void visit_groups(const struct bvh *tree, const struct box *box, int except,
                               void (*visit)(void *user, int id), void *user) {
     struct {
         int level, group;
@@ -163,21 +163,21 @@ WIDE static void visit_groups(const struct bvh *tree, const struct box *box, int
         int level = stack[--waiting].level, group = stack[waiting].group;
         int64_t lanes[BVH_WIDTH];
         const struct box_group *four = &tree->group[tree->first[level] + group];
-        test_group(four, box, lanes);
+        box_group_test(four, box, lanes);
         for (int k = 0, child = BVH_WIDTH * group; k < BVH_WIDTH; k++, child++) {
             if (!lanes[k] || four->owner[k] == except) continue;
             if (level) stack[waiting].level = level - 1, stack[waiting++].group = child;
-            else if (tree->order[child] >= from) visit(user, tree->order[child]);
+            else visit(user, tree->order[child]);
         }
     }
 }
 
-void bvh_visit(const struct bvh *tree, const struct box *box, int from,
-               void (*visit)(void *user, int id), void *user) {
-    bvh_visit_others(tree, box, from, -1, visit, user);
+void bvh_visit(const struct bvh *tree, const struct box *box, void (*visit)(void *user, int id),
+               void *user) {
+    bvh_visit_others(tree, box, -1, visit, user);
 }
 
-void bvh_visit_others(const struct bvh *tree, const struct box *box, int from, int owner,
+void bvh_visit_others(const struct bvh *tree, const struct box *box, int owner,
                       void (*visit)(void *user, int id), void *user) {
-    if (tree->count) visit_groups(tree, box, from, owner < 0 ? INT32_MIN : owner, visit, user);
+    if (tree->count) visit_groups(tree, box, owner < 0 ? INT32_MIN : owner, visit, user);
 }

@@ -8,12 +8,16 @@
 
 #include "base/context.h"
 #include "projdyn/box.h"
+#include "projdyn/simd.h"
+
+#include <string.h>
 
 enum { BVH_WIDTH = 4, BVH_LEVELS = 16 };
 
 struct box_group { /* four boxes side by side; unused lanes hold the empty box */
     double min[3][BVH_WIDTH], max[3][BVH_WIDTH];
-    int owner[BVH_WIDTH]; /* of all boxes within; -1 where they have several or none */
+    int owner[BVH_WIDTH];    /* of all boxes within; -1 where they have several or none */
+    bool changed[BVH_WIDTH]; /* some box within, in the last build or refit */
 };
 
 struct bvh {
@@ -31,18 +35,39 @@ struct bvh {
 pdyn_status bvh_create(pdyn_context *context, int capacity, struct bvh *tree);
 void bvh_free(pdyn_context *context, struct bvh *tree);
 
-/* Builds the hierarchy of those of `count` <= capacity boxes that `chosen` says; NULL: of all. */
-void bvh_build(struct bvh *tree, const struct box *box, int count, const bool *chosen);
+/* Builds the hierarchy of `count` <= capacity boxes. Nothing overlaps an empty box. */
+void bvh_build(struct bvh *tree, const struct box *box, int count);
 
-/* Calls visit(user, id) for each box with an index of at least `from` that overlaps or touches
- * `box`. `visit` may shrink `box`; the rest of the search then uses the smaller one. */
-void bvh_visit(const struct bvh *tree, const struct box *box, int from,
-               void (*visit)(void *user, int id), void *user);
+/* Gives the boxes that `changed` says new places and sizes. Their order stays: searches find the
+ * same as after a build, and take longer the farther the boxes have moved. */
+void bvh_refit(struct bvh *tree, const struct box *box, const bool *changed);
+
+/* Calls visit(user, id) for each box that overlaps or touches `box`. `visit` may shrink `box`; the
+ * rest of the search then uses the smaller one. */
+void bvh_visit(const struct bvh *tree, const struct box *box, void (*visit)(void *user, int id),
+               void *user);
 
 /* As bvh_visit, but for the boxes of one owner: subtrees that are all its own are left out at once.
  */
-void bvh_visit_others(const struct bvh *tree, const struct box *box, int from, int owner,
+void bvh_visit_others(const struct bvh *tree, const struct box *box, int owner,
                       void (*visit)(void *user, int id), void *user);
+
+typedef int64_t lanes4 __attribute__((vector_size(32)));
+
+/* Sets lanes[k] to a value other than 0 if box k of the group overlaps `box`. */
+INLINE void box_group_test(const struct box_group *group, const struct box *box,
+                           int64_t lanes[BVH_WIDTH]) {
+    v4 min, max;
+    lanes4 good = {-1, -1, -1, -1};
+    for (int a = 0; a < 3; a++) {
+        v4 low = {box->min[a], box->min[a], box->min[a], box->min[a]};
+        v4 high = {box->max[a], box->max[a], box->max[a], box->max[a]};
+        memcpy(&min, group->min[a], sizeof min);
+        memcpy(&max, group->max[a], sizeof max);
+        good &= (min <= high) & (low <= max);
+    }
+    memcpy(lanes, &good, sizeof good);
+}
 
 static inline bool box_is_empty(const struct box *box) { return box->min[0] > box->max[0]; }
 

@@ -46,7 +46,7 @@ static void find_tet(const struct bvh *tree, double first, struct search *s) {
     for (double reach = 0.0; s->best < 0 || (s->least < 0.0 && reach <= first);
          reach = fmax(first, 2.0 * reach)) {
         struct box near = box_of_ball(s->x, reach);
-        bvh_visit(tree, &near, 0, try_tet, s);
+        bvh_visit(tree, &near, try_tet, s);
     }
 }
 
@@ -88,7 +88,7 @@ pdyn_status embedding_create(pdyn_context *context, const double *rest, const st
     if (status == PDYN_OK) {
         struct search search = {.rest = rest, .tets = tets};
         double reach = make_boxes(rest, tets, box);
-        bvh_build(&tree, box, tets->count, NULL);
+        bvh_build(&tree, box, tets->count);
         bind_points(&tree, reach, &search, mesh, out);
         bvh_free(context, &tree);
     }

@@ -30,7 +30,7 @@ pdyn_status mesh_query_create(pdyn_context *context, const struct mesh *mesh,
             box_add(&out->bounds, corner[c]);
         }
     }
-    bvh_build(&out->tree, out->box, mesh->triangles, NULL);
+    bvh_build(&out->tree, out->box, mesh->triangles);
     return PDYN_OK;
 }
 
@@ -52,7 +52,7 @@ static void visit_close(void *user, int t) {
 bool mesh_query_is_close(const struct mesh_query *query, const double x[3], double distance) {
     struct search s = {.query = query, .x = x, .square = distance * distance};
     struct box box = box_of_ball(x, distance);
-    if (box_overlaps(&box, &query->bounds)) bvh_visit(&query->tree, &box, 0, visit_close, &s);
+    if (box_overlaps(&box, &query->bounds)) bvh_visit(&query->tree, &box, visit_close, &s);
     return s.found;
 }
 
@@ -81,6 +81,6 @@ bool mesh_query_contains_others(const struct mesh_query *query, const double x[3
     struct search s = {.query = query, .x = x, .of = of, .own = own};
     struct box ray = {{x[0], x[1], x[2]}, {query->bounds.max[0], x[1], x[2]}};
     if (ray.min[0] <= ray.max[0] && box_overlaps(&ray, &query->bounds))
-        bvh_visit(&query->tree, &ray, 0, visit_crossing, &s);
+        bvh_visit(&query->tree, &ray, visit_crossing, &s);
     return s.found;
 }

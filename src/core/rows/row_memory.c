@@ -2,27 +2,6 @@
 
 #include <string.h>
 
-/* ---- sorting in place, for qsort may allocate ------------------------------------------------ */
-
-/* Moves entry k of a heap, the largest key on top, down to its place among the first `count`. */
-static void sift(struct remembered *heap, int k, int count) {
-    for (int child; (child = 2 * k + 1) < count; k = child) {
-        struct remembered moved = heap[k];
-        if (child + 1 < count && heap[child + 1].key > heap[child].key) child++;
-        if (heap[child].key <= moved.key) return;
-        heap[k] = heap[child], heap[child] = moved;
-    }
-}
-
-static void sort_by_key(struct remembered *heap, int count) {
-    for (int k = count / 2 - 1; k >= 0; k--) sift(heap, k, count);
-    for (int k = count - 1; k > 0; k--) {
-        struct remembered largest = heap[0];
-        heap[0] = heap[k], heap[k] = largest;
-        sift(heap, 0, k);
-    }
-}
-
 /* ---- blocks ---------------------------------------------------------------------------------- */
 
 void row_memory_free(pdyn_context *context, struct row_memory *m, size_t size) {
@@ -35,7 +14,7 @@ pdyn_status row_memory_reserve(pdyn_context *context, struct row_memory *m, int 
                                size_t size) {
     if (count <= m->room) return PDYN_OK;
     struct row_memory grown = {.count = m->count, .room = count + count / 2};
-    grown.entry = NEW_ARRAY(context, grown.room, struct remembered);
+    grown.entry = NEW_ARRAY(context, grown.room, struct keyed);
     grown.block = NEW_ARRAY(context, (size_t)grown.room * size, unsigned char);
     if (!grown.entry || !grown.block) {
         row_memory_free(context, &grown, size);
@@ -52,7 +31,7 @@ pdyn_status row_memory_reserve(pdyn_context *context, struct row_memory *m, int 
 
 void row_memory_set(struct row_memory *m, const uint64_t *key, const void *block, int count,
                     size_t size) {
-    for (int k = 0; k < count; k++) m->entry[k] = (struct remembered){key[k], k};
+    for (int k = 0; k < count; k++) m->entry[k] = (struct keyed){key[k], k};
     sort_by_key(m->entry, count);
     for (int k = 0; k < count; k++)
         memcpy(m->block + (size_t)k * size,

@@ -5,16 +5,13 @@
 
 #include "base/context.h"
 #include "base/snapshot_file.h"
-
-struct remembered {
-    uint64_t key;
-    int place; /* of its block among those that were given */
-};
+#include "base/sort_by_key.h"
 
 struct row_memory {
     int count, room;
-    struct remembered *entry; /* room; `count` of them in use, ascending keys */
-    unsigned char *block;     /* room x size bytes, in the order of the entries */
+    struct keyed *entry;  /* room; `count` of them in use, ascending keys; place: of a block among
+                             those  that were given */
+    unsigned char *block; /* room x size bytes, in the order of the entries */
 };
 
 /* Makes room for `count` blocks of `size` bytes. PDYN_NO_MEMORY: nothing has changed. */

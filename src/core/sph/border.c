@@ -68,7 +68,7 @@ static void visit_side(struct listing *l, int b, int k, void (*visit)(void *user
         box_add(&box, l->def->rest + 3 * (size_t)l->end[m]);
     }
     box_grow(&box, l->border->width);
-    bvh_visit(&l->tree, &box, 0, visit, l);
+    bvh_visit(&l->tree, &box, visit, l);
 }
 
 static void visit_sides(struct listing *l, void (*visit)(void *user, int triangle)) {
@@ -92,7 +92,7 @@ static void build_tree(struct listing *l) {
         }
         count += hiding_triangles(body);
     }
-    bvh_build(&l->tree, l->box, count, NULL);
+    bvh_build(&l->tree, l->box, count);
 }
 
 static pdyn_status list_sides(struct listing *l) {

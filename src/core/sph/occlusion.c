@@ -65,7 +65,7 @@ void occlusion_update(struct occlusion *s, const double *x, const struct box *ar
         for (int k = 0; k < 3; k++) box_add(box, x + 3 * (size_t)s->corner[3 * t + k]);
         if (box_overlaps(box, &near)) s->near_triangle[s->near_count++] = t;
     }
-    bvh_build(&s->tree, s->box, s->near_count, NULL);
+    bvh_build(&s->tree, s->box, s->near_count);
 }
 
 struct query {
@@ -96,7 +96,7 @@ static void update_nearest(void *user, int id) {
 void occlusion_compute_clearance(struct occlusion *s, int i, const double *at, double most) {
     struct query q = {
         .occlusion = s, .from = at, .box = box_of_ball(at, most), .nearest = most * most};
-    bvh_visit(&s->tree, &q.box, 0, update_nearest, &q);
+    bvh_visit(&s->tree, &q.box, update_nearest, &q);
     s->clearance[i] = sqrt(q.nearest);
 }
 
@@ -164,6 +164,6 @@ bool occlusion_blocks(const struct occlusion *s, int i, const double *a, int j, 
         return false;
     q.box = box_empty;
     box_add(&q.box, q.from), box_add(&q.box, q.to);
-    bvh_visit(&s->tree, &q.box, 0, test_blocking, &q);
+    bvh_visit(&s->tree, &q.box, test_blocking, &q);
     return q.blocked;
 }

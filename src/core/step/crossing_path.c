@@ -79,7 +79,7 @@ static bool is_closed(struct border_search s) {
     const struct swept_triangles *sets[] = {&path.swept->resting, &path.swept->moving};
     for (int k = 0; k < 2; k++) {
         path.set = sets[k], s.path = &path;
-        bvh_visit(&path.set->tree, &box, 0, test_closed, &s);
+        bvh_visit(&path.set->tree, &box, test_closed, &s);
     }
     return s.closed;
 }
@@ -90,7 +90,7 @@ static bool is_closed(struct border_search s) {
 static bool is_on_border(const struct crossing_path *path, int k, double t, const double x[3]) {
     struct border_search s = {.path = path, .surface = path->set->surface[k], .t = t, .x = x};
     struct box box = box_of_ball(x, path->radius);
-    bvh_visit(&path->set->tree, &box, 0, test_border, &s);
+    bvh_visit(&path->set->tree, &box, test_border, &s);
     return s.found && !(path->swept->surface[s.surface].is_solid && is_closed(s));
 }
 
@@ -153,5 +153,5 @@ void crossing_path_test(struct crossing_path *path, const struct swept_triangles
     struct box box = box_empty;
     box_add(&box, path->begin), box_add(&box, path->end);
     path->set = set;
-    bvh_visit(&set->tree, &box, 0, test_triangle, path);
+    bvh_visit(&set->tree, &box, test_triangle, path);
 }

@@ -85,7 +85,7 @@ static void build_tree(const struct swept_surfaces *swept, struct swept_triangle
             box_add(&set->box[k], s->end + 3 * (size_t)corner[i]);
         }
     }
-    bvh_build(&set->tree, set->box, set->count, NULL);
+    bvh_build(&set->tree, set->box, set->count);
 }
 
 pdyn_status swept_surfaces_create(struct pdyn_sim *sim, bool bodies, struct swept_surfaces *swept) {
