@@ -54,7 +54,8 @@ static bool is_single(const struct group_pair *p) { return !p->level[0] && !p->l
 
 WIDE void bvh_join_visit(const struct bvh_join *join, struct group_pair part,
                          void (*visit)(void *user, int a, int b), void *user) {
-    struct group_pair stack[2 * BVH_LEVELS * BVH_WIDTH * BVH_WIDTH] = {part};
+    struct group_pair stack[2 * BVH_LEVELS * BVH_WIDTH * BVH_WIDTH]; /* 8 kB, not set to 0 */
+    stack[0] = part;
     for (int waiting = 1; waiting;) {
         int64_t meets[BVH_WIDTH][BVH_WIDTH];
         struct group_pair p = stack[--waiting];
