@@ -139,8 +139,10 @@ static void visit(void *user, int a, int b) {
 static void do_tasks(void *arg, int first, int last, int block) {
     struct searches *all = arg;
     (void)block;
+    struct gathered g; /* 5 kB, not set to 0 */
+    g.all = all, g.count = 0;
     for (int k = first; k < last; k++) {
-        struct gathered g = {.all = all, .search = all->task[k].search};
+        g.search = all->task[k].search;
         bvh_join_visit(&g.search->join, all->task[k].part, visit, &g);
         add_to_list(&g);
     }
