@@ -33,6 +33,24 @@ static void check_svd(const double *F) {
     assert_true(determinant(&d.left[0][0]) > 0.5 && determinant(&d.right[0][0]) > 0.5);
 }
 
+WIDE static void decompose_side_by_side(const double *const F[SVD3_LANES], svd3 d[SVD3_LANES]) {
+    svd3_of_lanes(F, d, SVD3_LANES);
+}
+
+/* Matrices side by side have the same bits as one by one, whatever their neighbours are. */
+static void check_lanes(const double F[][9], int count) {
+    for (int k = 0; k + SVD3_LANES <= count; k++) {
+        const double *lane[SVD3_LANES];
+        svd3 d[SVD3_LANES];
+        for (int l = 0; l < SVD3_LANES; l++) lane[l] = F[k + l];
+        decompose_side_by_side(lane, d);
+        for (int l = 0; l < SVD3_LANES; l++) {
+            svd3 one = svd3_of(lane[l]);
+            assert_memory_equal(&d[l], &one, sizeof one);
+        }
+    }
+}
+
 static void test_svd(void **state) {
     (void)state;
     static const double odd[][9] = {{0},
@@ -45,11 +63,12 @@ static void test_svd(void **state) {
                                     {1e-9, 0, 0, 0, 1, 0, 0, 0, 1e9}};
     uint64_t seed = 5;
     for (size_t k = 0; k < sizeof odd / sizeof *odd; k++) check_svd(odd[k]);
+    double F[1000][9];
     for (int k = 0; k < 1000; k++) {
-        double F[9];
-        for (int i = 0; i < 9; i++) F[i] = test_random(&seed);
-        check_svd(F);
+        for (int i = 0; i < 9; i++) F[k][i] = k % 7 ? test_random(&seed) : odd[k % 8][i];
+        check_svd(F[k]);
     }
+    check_lanes((const double(*)[9])F, 1000);
 }
 
 /* ---- the contract, with a volume ------------------------------------------------------------- */

@@ -2,6 +2,7 @@
 #ifndef PROJDYN_SVD3_H
 #define PROJDYN_SVD3_H
 
+#include "simd.h"
 #include "vec3.h"
 
 /* F = sum_i s_i left_i right_i' with s[0] >= s[1] >= |s[2]|. Both triples of unit vectors are
@@ -11,21 +12,45 @@ typedef struct svd3 {
     double s[3], left[3][3], right[3][3];
 } svd3;
 
-/* A Jacobi rotation of axes i and j: makes A_ij of the symmetric A zero and rotates the rows i and
- * j of `right`. Of the two angles the smaller, tan = t (Golub and Van Loan, Matrix
- * Computations, 8.5). */
-static inline void svd3_rotate(double A[3][3], int i, int j, double right[3][3]) {
-    if (A[i][j] == 0.0) return;
-    double ratio = (A[j][j] - A[i][i]) / (2.0 * A[i][j]);
-    double t = copysign(1.0, ratio) / (fabs(ratio) + sqrt(1.0 + ratio * ratio));
-    double c = 1.0 / sqrt(1.0 + t * t), s = t * c;
+enum { SVD3_LANES = 8 };
+typedef double svd3_lanes[3][3][SVD3_LANES]; /* matrices side by side: [row][column][matrix] */
+
+/* Jacobi rotations of axes i and j of the first `lanes` matrices where `active` is 1: each makes
+ * A_ij of the symmetric A zero and rotates the rows i and j of `right`. Of the two angles the
+ * smaller, tan = t (Golub and Van Loan, Matrix Computations, 8.5). Without branches, so that it
+ * becomes SIMD code. */
+INLINE void svd3_rotate(svd3_lanes A, svd3_lanes right, const double *active, int lanes, int i,
+                        int j) {
     int k = 3 - i - j; /* the third axis */
-    double a = A[k][i], b = A[k][j];
-    A[i][i] -= t * A[i][j], A[j][j] += t * A[i][j], A[i][j] = A[j][i] = 0.0;
-    A[k][i] = A[i][k] = c * a - s * b, A[k][j] = A[j][k] = s * a + c * b;
-    for (k = 0; k < 3; k++) {
-        a = right[i][k], b = right[j][k];
-        right[i][k] = c * a - s * b, right[j][k] = s * a + c * b;
+    for (int l = 0; l < lanes; l++) {
+        double off = A[i][j][l], ratio = (A[j][j][l] - A[i][i][l]) / (2.0 * off);
+        double t = copysign(1.0, ratio) / (fabs(ratio) + sqrt(1.0 + ratio * ratio));
+        t = active[l] * fabs(off) > 0.0 ? t : 0.0;
+        double c = 1.0 / sqrt(1.0 + t * t), s = t * c, a = A[k][i][l], b = A[k][j][l];
+        A[i][i][l] -= t * off, A[j][j][l] += t * off;
+        A[i][j][l] = A[j][i][l] = active[l] > 0.0 ? 0.0 : off;
+        A[k][i][l] = A[i][k][l] = c * a - s * b, A[k][j][l] = A[j][k][l] = s * a + c * b;
+        for (int m = 0; m < 3; m++) {
+            a = right[i][m][l], b = right[j][m][l];
+            right[i][m][l] = c * a - s * b, right[j][m][l] = s * a + c * b;
+        }
+    }
+}
+
+/* Makes the rows of `right` eigenvectors of the symmetric A, and A diagonal: at most eight sweeps,
+ * each matrix to its rounding errors. */
+INLINE void svd3_diagonalise(svd3_lanes A, svd3_lanes right, int lanes) {
+    double rounding[SVD3_LANES], active[SVD3_LANES], any = 1.0;
+    for (int l = 0; l < lanes; l++) rounding[l] = 1e-16 * (A[0][0][l] + A[1][1][l] + A[2][2][l]);
+    for (int sweep = 0; sweep < 8 && any > 0.0; sweep++) {
+        any = 0.0;
+        for (int l = 0; l < lanes; l++) {
+            double off = fabs(A[0][1][l]) + fabs(A[0][2][l]) + fabs(A[1][2][l]);
+            active[l] = off > rounding[l] ? 1.0 : 0.0, any += active[l];
+        }
+        svd3_rotate(A, right, active, lanes, 0, 1);
+        svd3_rotate(A, right, active, lanes, 0, 2);
+        svd3_rotate(A, right, active, lanes, 1, 2);
     }
 }
 
@@ -43,26 +68,15 @@ static inline void svd3_make_normal(double *a, const double *b, double least) {
     for (int k = 0; k < 3; k++) a[k] /= length;
 }
 
-/* Decomposes F, column by column: F[3 * c + k] is entry (k, c). The right vectors are the
- * eigenvectors of F' F, by Jacobi rotations: at most eight sweeps, to rounding errors. Needs finite
- * entries. */
-static inline svd3 svd3_of(const double *F) {
-    static const double unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+/* Completes a decomposition of F from the eigenvalues and eigenvectors of F' F. */
+static inline svd3 svd3_complete(const double *F, const double value[3], double right[3][3]) {
+    static const double unit[3] = {1, 0, 0};
     svd3 d;
-    double A[3][3], right[3][3], along[3][3];
+    double along[3][3];
     int order[3] = {0, 1, 2};
-    for (int k = 0; k < 9; k++) {
-        A[k / 3][k % 3] = vec3_dot(F + 3 * (k / 3), F + 3 * (k % 3));
-        right[k / 3][k % 3] = unit[k / 3][k % 3];
-    }
-    double rounding = 1e-16 * (A[0][0] + A[1][1] + A[2][2]);
-    for (int sweep = 0; sweep < 8; sweep++) {
-        if (fabs(A[0][1]) + fabs(A[0][2]) + fabs(A[1][2]) <= rounding) break;
-        svd3_rotate(A, 0, 1, right), svd3_rotate(A, 0, 2, right), svd3_rotate(A, 1, 2, right);
-    }
     for (int k = 0; k < 3; k++) { /* descending: 3 exchanges sort 3 numbers */
         int i = k == 1 ? 1 : 0, high = order[i + 1];
-        if (A[order[i]][order[i]] < A[high][high]) order[i + 1] = order[i], order[i] = high;
+        if (value[order[i]] < value[high]) order[i + 1] = order[i], order[i] = high;
     }
     for (int i = 0; i < 2; i++)
         for (int k = 0; k < 3; k++) d.right[i][k] = right[order[i]][k];
@@ -73,10 +87,34 @@ static inline svd3 svd3_of(const double *F) {
                 d.right[i][0] * F[k] + d.right[i][1] * F[3 + k] + d.right[i][2] * F[6 + k];
     d.s[0] = vec3_length(along[0]);
     for (int k = 0; k < 3; k++)
-        d.left[0][k] = d.s[0] > 0.0 ? along[0][k] / d.s[0] : unit[0][k], d.left[1][k] = along[1][k];
+        d.left[0][k] = d.s[0] > 0.0 ? along[0][k] / d.s[0] : unit[k], d.left[1][k] = along[1][k];
     svd3_make_normal(d.left[1], d.left[0], 1e-12 * d.s[0]);
     vec3_cross(d.left[2], d.left[0], d.left[1]);
     d.s[1] = vec3_dot(d.left[1], along[1]), d.s[2] = vec3_dot(d.left[2], along[2]);
+    return d;
+}
+
+/* Decomposes `lanes` matrices, up to SVD3_LANES, in the time of one: the same bits as svd3_of. The
+ * right vectors are the eigenvectors of F' F. `lanes` is a constant, the caller WIDE (simd.h). */
+INLINE void svd3_of_lanes(const double *const F[], svd3 *d, int lanes) {
+    svd3_lanes A, right;
+    for (int l = 0; l < lanes; l++)
+        for (int k = 0; k < 9; k++) {
+            A[k / 3][k % 3][l] = vec3_dot(F[l] + 3 * (k / 3), F[l] + 3 * (k % 3));
+            right[k / 3][k % 3][l] = k % 4 ? 0.0 : 1.0;
+        }
+    svd3_diagonalise(A, right, lanes);
+    for (int l = 0; l < lanes; l++) {
+        double value[3] = {A[0][0][l], A[1][1][l], A[2][2][l]}, vectors[3][3];
+        for (int k = 0; k < 9; k++) vectors[k / 3][k % 3] = right[k / 3][k % 3][l];
+        d[l] = svd3_complete(F[l], value, vectors);
+    }
+}
+
+/* Decomposes F, column by column: F[3 * c + k] is entry (k, c). Needs finite entries. */
+static inline svd3 svd3_of(const double *F) {
+    svd3 d;
+    svd3_of_lanes(&F, &d, 1);
     return d;
 }
 

@@ -123,20 +123,44 @@ static void project_values(const void *par, const pdyn_batch *b, int e, const do
     else onto_product(s, c, p);
 }
 
-/* d: the decomposition of the u of element e. It is that of the element before where u is the same,
- * as it is for strain and volume. */
-static void decompose(const pdyn_batch *b, int first, int e, svd3 *d) {
-    const double *u = b->u + 9 * (size_t)e;
-    if (e == first || memcmp(u, u - 9, 9 * sizeof *u)) *d = svd3_of(u);
+struct decomposed {             /* some elements that follow each other */
+    int last;                   /* the element after them */
+    int number[2 * SVD3_LANES]; /* of each element, in d */
+    svd3 d[SVD3_LANES];
+};
+
+WIDE static void decompose_tets(const double *const u[SVD3_LANES], svd3 d[SVD3_LANES]) {
+    svd3_of_lanes(u, d, SVD3_LANES);
+}
+
+/* Decomposes the u of elements from `first` on, not farther than `last`. The same u as before, as
+ * strain and volume have it, is not decomposed twice. */
+static void decompose(const pdyn_batch *b, int first, int last, struct decomposed *to) {
+    const double *u[SVD3_LANES] = {b->u + 9 * (size_t)first};
+    int count = 0, e = first;
+    for (; e < last && e < first + 2 * SVD3_LANES; e++) {
+        const double *own = b->u + 9 * (size_t)e;
+        if (e == first || memcmp(own, own - 9, 9 * sizeof *own)) {
+            if (count == SVD3_LANES) break;
+            u[count++] = own;
+        }
+        to->number[e - first] = count - 1;
+    }
+    while (count < SVD3_LANES) u[count++] = u[0];
+    decompose_tets(u, to->d);
+    to->last = e;
 }
 
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
-    svd3 d;
-    for (int e = first; e < last; e++) {
-        double p[3];
-        decompose(b, first, e, &d);
-        project_values(par, b, e, d.s, p);
-        svd3_compose(&d, p, b->p + 9 * (size_t)e);
+    struct decomposed at;
+    for (; first < last; first = at.last) {
+        decompose(b, first, last, &at);
+        for (int e = first; e < at.last; e++) {
+            const svd3 *d = &at.d[at.number[e - first]];
+            double p[3];
+            project_values(par, b, e, d->s, p);
+            svd3_compose(d, p, b->p + 9 * (size_t)e);
+        }
     }
 }
 
@@ -152,7 +176,8 @@ static void add_outer_product(double *J, double factor, const double m[9]) {
  * clamped to [0, 1]. */
 static void add_mode(double *J, const svd3 *d, double factor, int a, int c, double sign) {
     double m[9];
-    factor = clamp(factor, 0.0, 1.0) / (a == c ? 1.0 : 2.0);
+    if (!(factor > 0.0)) return;
+    factor = fmin(factor, 1.0) / (a == c ? 1.0 : 2.0);
     for (int k = 0; k < 9; k++)
         m[k] = d->left[a][k % 3] * d->right[c][k / 3] +
                (a == c ? 0.0 : sign * d->left[c][k % 3] * d->right[a][k / 3]);
@@ -224,10 +249,11 @@ static void tangent_of(const void *par, const pdyn_batch *b, int e, const svd3 *
 }
 
 static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
-    svd3 d;
-    for (int e = first; e < last; e++, J += 81) {
-        decompose(b, first, e, &d);
-        tangent_of(par, b, e, &d, J);
+    struct decomposed at;
+    for (; first < last; first = at.last) {
+        decompose(b, first, last, &at);
+        for (int e = first; e < at.last; e++, J += 81)
+            tangent_of(par, b, e, &at.d[at.number[e - first]], J);
     }
 }
 
@@ -237,9 +263,8 @@ static double damping(const void *par) { return ((const struct params *)par)->da
 
 static void damping_rest(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
-    svd3 d;
     for (int e = first; e < last; e++) {
-        decompose(b, first, e, &d);
+        svd3 d = svd3_of(b->u + 9 * (size_t)e);
         struct target *target = (struct target *)b->data + e;
         for (int i = 0; i < 3; i++) target->low[i] = target->high[i] = d.s[i];
         target->least = target->most = product(d.s);
