@@ -317,6 +317,13 @@ int run_open(struct run *run) {
     return code == EXIT_GOOD ? count_frames(run) : code;
 }
 
+int run_open_with_report(struct run *run) {
+    int code = run_open(run);
+    if (code != EXIT_GOOD || run->report) return code;
+    return run_error("%s: expected report.json or files.json of a run, found neither",
+                     run->directory);
+}
+
 void run_close(struct run *run) {
     for (int p = 0; p < run->parts; p++) {
         struct part *part = &run->part[p];

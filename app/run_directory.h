@@ -71,6 +71,9 @@ bool run_path(char path[RUN_PATH], const struct run *run, const char *name, cons
 /* Finds the parts of run->directory and the files of their frames, and reads no frame. The caller
  * calls run_close() in any case. */
 int run_open(struct run *run);
+/* The same, and refuses a run with neither report.json nor files.json, whose kinds of bodies and
+ * radii of particles are unknown. */
+int run_open_with_report(struct run *run);
 void run_close(struct run *run);
 /* Reads the list of frames FOLDER/NAME.vtk.series of a part, which the caller frees (part->series);
  * a part at rest has the file NAME.vtk. Part of run_open. */

@@ -298,7 +298,7 @@ static int check_ending(const char *path) {
 static int write_stage(struct run *run, const char *path) {
     char *temporary;
     int code = check_ending(path);
-    if (code == EXIT_GOOD) code = run_open(run);
+    if (code == EXIT_GOOD) code = run_open_with_report(run);
     if (code != EXIT_GOOD) return code;
     struct stage stage = {.run = run, .look = calloc((size_t)run->parts, sizeof *stage.look)};
     if (!stage.look) return report_no_memory();

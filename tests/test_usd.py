@@ -135,6 +135,17 @@ class Usd(unittest.TestCase):
         self.assertEqual(done.returncode, 2)
         self.assertIn("bodies[1]: expected a \"name\" without '/' of at most 64 bytes", done.stderr)
 
+    def test_no_report(self):
+        """Without the report a sheet and water cannot be told apart, and particles have no radius."""
+        run = self.directory / "bare"
+        shutil.copytree(self.directory / "run", run)
+        (run / "report.json").unlink()
+        self.program("usd", "bare")  # files.json says the same
+        (run / "files.json").unlink()
+        done = subprocess.run([PROJDYN, "usd", "bare"], cwd=self.directory, text=True, stderr=subprocess.PIPE)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("bare: expected report.json or files.json of a run, found neither", done.stderr)
+
     def test_surface(self):
         _, prims, _ = self.stage("run/run.usda")
         self.check_samples(prims["sheet"]["points"], "sheet", lambda mesh: mesh.points)

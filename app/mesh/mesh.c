@@ -134,11 +134,8 @@ static int make_folder(const struct run *run) {
 }
 
 static int mesh_run(struct run *run, struct mesh_options *options) {
-    int code = run_open(run), bodies = 0;
+    int code = run_open_with_report(run), bodies = 0;
     if (code != EXIT_GOOD) return code;
-    if (!run->report)
-        return run_error("%s: expected report.json or files.json of a run, found neither",
-                         run->directory);
     if (options->last == LONG_MAX) options->last = run->frames - 1;
     if (options->last >= run->frames)
         return run_error("--frames: expected frames up to %d, found %ld", run->frames - 1,
