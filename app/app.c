@@ -1,6 +1,7 @@
 /* Messages, clocks and option parsing that all sub-commands share. */
 #include "app.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <sched.h>
@@ -120,6 +121,25 @@ int report_write_error(const char *path) {
 int report_usage(const char *command, const char *expected, const char *usage) {
     fprintf(stderr, "projdyn: %s: expected %s\n\n%s", command, expected, usage);
     return EXIT_BAD_INPUT;
+}
+
+/* Whether the shell takes the path as one word. */
+static bool is_one_word(const char *path) {
+    bool plain = *path;
+    for (; *path; path++)
+        plain &= isalnum((unsigned char)*path) || *path < 0 || strchr("/._-+,:@%=", *path);
+    return plain;
+}
+
+struct shell_word shell_word(const char *path) {
+    struct shell_word word = {""};
+    const char *quote = is_one_word(path) ? "" : "'", *last = word.text + sizeof word.text - 8;
+    char *end = stpcpy(word.text, quote);
+    for (; *path && end < last; path++)
+        if (*path == '\'') end = stpcpy(end, "'\\''");
+        else *end++ = *path;
+    strcpy(end, quote);
+    return word;
 }
 
 void clear_progress(void) {

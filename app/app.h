@@ -53,6 +53,13 @@ int report_write_error(const char *path);
 /* Prints what a command expected as its arguments, and its usage; returns EXIT_BAD_INPUT. */
 int report_usage(const char *command, const char *expected, const char *usage);
 
+/* A path as a word of a command line that a message suggests: in quotes where the shell needs them,
+ * shortened beyond the size. */
+struct shell_word {
+    char text[4104];
+};
+struct shell_word shell_word(const char *path);
+
 /* Wall-clock time, s, from an arbitrary origin. */
 double wall_seconds(void);
 /* Processor time of the process, s, summed over its threads. */

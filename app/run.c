@@ -155,7 +155,7 @@ static int parse(struct run_options *o, int argc, char **argv) {
         fprintf(stderr,
                 "projdyn: %s: expected a scene file, found the folder of a run; to continue it: "
                 "projdyn run --resume %s; to look at it: projdyn replay %s\n",
-                o->scene.scene, o->scene.scene, o->scene.scene);
+                o->scene.scene, shell_word(o->scene.scene).text, shell_word(o->scene.scene).text);
         return EXIT_BAD_INPUT;
     }
     if (!o->output) o->output = o->default_output = default_output("", o->scene.scene);
@@ -258,7 +258,7 @@ static void print_interrupted(const pdyn_sim *sim, const struct run_options *o) 
     fprintf(stderr,
             "projdyn: interrupted at %g s; results are in %s; to continue: projdyn run "
             "--resume %s%s%s\n",
-            pdyn_time(sim), o->output, o->output,
+            pdyn_time(sim), o->output, shell_word(o->output).text,
             o->scene.plugins || scene_plugins_allowed() ? " --allow-plugins" : "", time);
 }
 

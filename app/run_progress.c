@@ -79,5 +79,5 @@ void run_print_summary(const pdyn_sim *sim, const char *output, const struct run
     run_print_warnings(sim, stdout);
     if (pdyn_get_warning(sim, 0).code)
         puts("docs/guide/troubleshooting.md explains warnings by their codes");
-    printf("written to %s; next: projdyn replay %s\n", output, output);
+    printf("written to %s; next: projdyn replay %s\n", output, shell_word(output).text);
 }

@@ -190,7 +190,8 @@ static int check_frames(const struct run *run, const struct part *surface) {
     return run_error("%s/mesh/%s.vtk.series: expected the %d frames of the run, found %d%s: run "
                      "`projdyn mesh %s` again, or delete the folder mesh for particles",
                      run->directory, surface->name, run->frames, listed,
-                     listed == run->frames ? " of other times" : "", run->directory);
+                     listed == run->frames ? " of other times" : "",
+                     shell_word(run->directory).text);
 }
 
 /* Meshes of the other formats of `projdyn mesh` are not read. */
@@ -203,7 +204,7 @@ static int refuse_other_formats(const struct run *run, const struct part *part) 
         if (length < RUN_PATH && !access(path, F_OK))
             return run_error("%s: expected a mesh with --format vtk: run `projdyn mesh %s` again, "
                              "or delete the folder mesh for particles",
-                             path, run->directory);
+                             path, shell_word(run->directory).text);
     }
     return EXIT_GOOD;
 }

@@ -48,7 +48,8 @@ void save_run(struct live *live) {
         status == PDYN_OK && run_record_write(path, live->scene, 0.0, false) == EXIT_GOOD;
     if (recorded)
         live_note(live, false, "saved to %s; to continue: projdyn run --resume %s%s --time %.4g",
-                  path, path, plugins ? " --allow-plugins" : "", pdyn_time(live->sim) + 1.0);
+                  path, shell_word(path).text, plugins ? " --allow-plugins" : "",
+                  pdyn_time(live->sim) + 1.0);
     else
         live_note(live, true, "%s: %s", path,
                   status == PDYN_OK ? "run.json cannot be written"
