@@ -118,13 +118,14 @@ class Constraint(Fixed):
         """Copies of the vectors, paths and tables, by their names."""
         found: dict[str, np.ndarray] = {}
         info = VectorInfo()
-        while True:
-            lib.pdyn_get_vector_sized(self._handle.pointer, self._index, len(found), byref(info),
-                                      sizeof(info))
-            if info.name is None:
-                return found
-            values = np.array(view(info.value, (info.count,), self._handle))
-            found[info.name.decode()] = _rows(values, info.width)
+        with self._handle.lock:  # the memory of a value ends when another thread sets it
+            while True:
+                lib.pdyn_get_vector_sized(self._handle.pointer, self._index, len(found), byref(info),
+                                          sizeof(info))
+                if info.name is None:
+                    return found
+                values = np.array(view(info.value, (info.count,), self._handle))
+                found[info.name.decode()] = _rows(values, info.width)
 
     # ---- parts ----------------------------------------------------------------------------------
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 import warnings
 from ctypes import byref, c_size_t, create_string_buffer, sizeof
 from dataclasses import dataclass
+from os import PathLike
 from typing import Any, Iterator, Optional, Union
 
 import numpy as np
@@ -17,7 +18,7 @@ from ._paths import Path, path as path_of
 from ._structs import State, StepInfo, WarningInfo
 from .body import Body
 from .constraint import Constraint
-from .errors import InputError
+from .errors import InputError, wrong_type
 from .probe import Probe, probes_of
 from .rigid import Rigid, body_of
 from .run import Run
@@ -136,7 +137,8 @@ class Simulation(Fixed):
     def gravity(self) -> np.ndarray:
         """Acceleration of all bodies, three numbers, m/s^2. Assign an array to change it."""
         gravity = np.empty(3)
-        lib.pdyn_get_gravity(self._handle.pointer, address(gravity))
+        with self._handle.lock:
+            lib.pdyn_get_gravity(self._handle.pointer, address(gravity))
         gravity.flags.writeable = False
         return gravity
 
@@ -147,7 +149,8 @@ class Simulation(Fixed):
     @property
     def hash(self) -> int:
         """Hash of positions and velocities: equal for equal bits."""
-        return lib.pdyn_state_hash(self._handle.pointer)
+        with self._handle.lock:  # a step of another thread changes the state
+            return lib.pdyn_state_hash(self._handle.pointer)
 
     def save(self, path: Path) -> None:
         """Saves the state to a file."""
@@ -162,13 +165,16 @@ class Simulation(Fixed):
             self._handle.call(lib.pdyn_save_memory, state, size, byref(size))
         return state.raw
 
-    def restore(self, state: Union[bytes, Path]) -> None:
+    def restore(self, state: Union[bytes, bytearray, memoryview, Path]) -> None:
         """Restores the state of a simulation of the same scene, from bytes or from a file; it goes
         on with the same bits."""
-        if isinstance(state, bytes):
+        if isinstance(state, (bytes, bytearray, memoryview)):
+            state = bytes(state)
             self._handle.call(lib.pdyn_restore_memory, state, len(state))
-        else:
+        elif isinstance(state, (str, PathLike)):
             self._handle.call(lib.pdyn_restore, path_of(state, "state"))
+        else:
+            raise wrong_type("state", "bytes or a path", state)
 
     # ---- results --------------------------------------------------------------------------------
 
@@ -177,12 +183,13 @@ class Simulation(Fixed):
         """The warnings so far, those about the scene first."""
         found: list[Warning] = []
         info = WarningInfo()
-        while True:
-            lib.pdyn_get_warning_sized(self._handle.pointer, len(found), byref(info), sizeof(info))
-            if info.code is None:
-                return found
-            found.append(Warning(info.code.decode(), info.subject.decode(), info.text.decode(),
-                                 info.count, info.first, info.last))
+        with self._handle.lock:  # a step changes the texts
+            while True:
+                lib.pdyn_get_warning_sized(self._handle.pointer, len(found), byref(info), sizeof(info))
+                if info.code is None:
+                    return found
+                found.append(Warning(info.code.decode(), info.subject.decode(), info.text.decode(),
+                                     info.count, info.first, info.last))
 
     @property
     def probes(self) -> dict[str, Probe]:

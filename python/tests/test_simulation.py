@@ -69,7 +69,7 @@ class Steps(unittest.TestCase):
         for text, call in [("until: expected numbers, found str", lambda: sim.run(until="1")),
                            ("h: expected numbers, found dict", lambda: sim.step({})),
                            ("path: expected a path, found int", lambda: sim.save(3)),
-                           ("state: expected a path, found NoneType", lambda: sim.restore(None)),
+                           ("state: expected bytes or a path, found NoneType", lambda: sim.restore(None)),
                            ("directory: expected a path, found int", lambda: sim.write(3)),
                            ("points: expected numbers, found list with NoneType$", lambda: sim.fluid_at([[0, 0, None]]))]:
             with self.assertRaisesRegex(TypeError, text):
@@ -226,6 +226,34 @@ class Views(unittest.TestCase):
             alone.step()
         self.assertEqual(sim.hash, alone.hash)
 
+    def test_a_reader_waits_for_the_end_of_a_step(self):
+        sim = hanging_sheet(n=60).load()
+        after, read = {sim.hash}, set()
+
+        def run():
+            for _ in range(20):
+                sim.step()
+                after.add(sim.hash)
+
+        thread = threading.Thread(target=run)
+        thread.start()
+        while thread.is_alive():
+            read.add(sim.hash)
+        thread.join()
+        self.assertLessEqual(read, after)
+
+    def test_readers_wait_for_another_thread(self):
+        """A step changes texts of warnings, and a change of a path ends the memory of the old one."""
+        sim = hanging_sheet().load()
+        pin = sim.constraints["sheet", "pin"]
+        for read in (lambda: sim.hash, lambda: sim.warnings, lambda: sim.gravity, lambda: pin["stiffness"]):
+            with sim._handle.lock:
+                thread = threading.Thread(target=read)
+                thread.start()
+                thread.join(0.05)
+                self.assertTrue(thread.is_alive())
+            thread.join()
+
     def test_fluid(self):
         sim = tank_of_water().load()
         water = sim.bodies["water"]
@@ -265,6 +293,9 @@ class Files(unittest.TestCase):
         for _ in range(2):
             sim.restore(state)
             self.assertEqual([sim.step() and sim.hash for _ in range(3)], hashes)
+        for other in (bytearray(state), memoryview(state)):  # as of a pipe or a shared memory
+            sim.restore(other)
+            self.assertEqual(sim.state(), state)
         with self.assertRaisesRegex(projdyn.InputError, "the state in memory: "):
             sim.restore(state[:-1])
 
