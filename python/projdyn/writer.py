@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from ctypes import byref, sizeof
 from typing import Any
 
@@ -32,17 +33,20 @@ class Writer:
         self._handle = Handle(writer, lib.pdyn_writer_close, handle)
         if not resume:
             self.frame()
+        self._start, self._is_used = lib.pdyn_time(handle.pointer), False
 
     def step(self, info: StepInfo) -> None:
         """Writes the row of a step in metrics.csv, and a frame if the step reached one."""
         if not isinstance(info, StepInfo):
             raise wrong_type("info", "the result of a step", info)
+        self._is_used = True
         self._handle.call(lib.pdyn_writer_step_sized, byref(info), sizeof(info))
         if info.frame:
             self.frame()
 
     def frame(self) -> None:
         """Writes a frame, in place of those of its time and later."""
+        self._is_used = True
         self._handle.call(lib.pdyn_writer_frame)
 
     def save(self) -> None:
@@ -57,6 +61,9 @@ class Writer:
             self.save()
         finally:
             self._handle.finalize()
+        if not (failed or self._is_used) and lib.pdyn_time(self._handle.parent.pointer) > self._start:
+            warnings.warn(f"{self.directory}: none of the steps was written: call writer.step(info) after each",
+                          RuntimeWarning, stacklevel=3)
 
     def __enter__(self) -> Writer:
         return self

@@ -320,6 +320,39 @@ class Files(unittest.TestCase):
             self.assertIn("<iframe srcdoc=", page)
             self.assertNotIn('<script', page)  # escaped
 
+    def test_a_writer_without_steps_warns(self):
+        with tempfile.TemporaryDirectory() as folder:
+            sim = hanging_sheet().load()
+            with self.assertWarnsRegex(RuntimeWarning, r"call writer\.step\(info\)"), sim.write(folder):
+                sim.step()
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                with sim.write(folder):  # a picture of the start
+                    pass
+                with sim.write(folder) as writer:
+                    sim.step()
+                    writer.frame()
+                with self.assertRaises(KeyError), sim.write(folder):
+                    sim.step()
+                    raise KeyError
+
+    def test_two_writers_of_a_program(self):
+        """As when a cell of a notebook runs again: the process to wait for is this one."""
+        with tempfile.TemporaryDirectory() as folder:
+            sim = hanging_sheet().load()
+            writer = sim.write(folder)
+            with self.assertRaisesRegex(projdyn.InputError, "another writer of this program .*: close it first"):
+                sim.write(folder)
+            writer.close()
+            sim.write(folder).close()
+
+    def test_nothing_to_resume(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in (folder, f"{folder}/none"):
+                with self.assertRaisesRegex(projdyn.Error, "state.pdyn: .*; expected the directory of a run"):
+                    hanging_sheet().load().write(name, resume=True)
+            self.assertEqual(list(pathlib.Path(folder).iterdir()), [])
+
     def test_written_run_goes_on_after_an_interrupt(self):
         with tempfile.TemporaryDirectory() as folder:
             scene = hanging_sheet(duration=0.1)

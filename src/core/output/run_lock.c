@@ -26,10 +26,16 @@ static bool write_holder(int descriptor) {
 
 /* errno is that of flock or write_holder. */
 static pdyn_status fail_lock(pdyn_writer *writer, const char *path) {
-    if (errno == EWOULDBLOCK)
+    long holder = errno == EWOULDBLOCK ? read_holder(writer->lock) : -1;
+    if (holder == getpid())
+        return set_error(PDYN_BAD_INPUT,
+                         "%.1024s: another writer of this program writes to this directory: close "
+                         "it first, or choose another directory",
+                         path);
+    if (holder >= 0)
         return set_error(PDYN_BAD_INPUT,
                          "%.1024s: another run writes to this directory: process %ld", path,
-                         read_holder(writer->lock));
+                         holder);
     return set_error(PDYN_IO_FAILED, "%.1024s: cannot lock the file: %s", path, strerror(errno));
 }
 

@@ -9,6 +9,7 @@
 #include <limits.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* ---- paths ----------------------------------------------------------------------------------- */
 
@@ -117,9 +118,20 @@ static pdyn_status load_state(pdyn_writer *writer, struct snapshot_file *before)
     return snapshot_file_close(&file);
 }
 
+/* Before the lock, which would be a file in a directory that no run has written. */
+static pdyn_status check_state(pdyn_writer *writer) {
+    const char *path = writer_path(writer, STATE_FILE);
+    if (!access(path, F_OK)) return PDYN_OK;
+    return set_error(PDYN_IO_FAILED,
+                     "%.1024s: cannot open: %s; expected the directory of a run that has saved "
+                     "its state",
+                     path, strerror(errno));
+}
+
 static pdyn_status resume(pdyn_writer *writer, const char *directory) {
     struct snapshot_file before = {0};
     pdyn_status status = store_directory(writer, directory);
+    if (status == PDYN_OK) status = check_state(writer);
     if (status == PDYN_OK) status = run_lock(writer);
     if (status == PDYN_OK) status = load_state(writer, &before);
     if (status == PDYN_OK) status = previous_run_list(writer);
