@@ -64,5 +64,7 @@ for name in ("surface=checker", "look=particles", "hide=water&fluid=speed"):
     expect(f"{name}: no legend", len(corner & changed(pictures["hide=water"], pictures[name])), 0, 20)
 balls = changed(pictures["look=particles"], pictures["hide=water"])
 expect("particles", len(balls), 2000)
+greenish = sum(pictures["look=particles"][i][1] > pictures["look=particles"][i][2] for i in balls)
+expect("particles in another colour than that of plain water, as that of their speed", greenish, 0, len(balls) // 5)
 expect("holes: particles without a surface", len(balls - water), 0, len(balls) // 100)
 sys.exit(faults > 0)

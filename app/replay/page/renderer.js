@@ -99,7 +99,7 @@ class Renderer {
     const shapes = this.parts.filter((shape) => !shape.part.fluid), fluids = this.parts.filter((shape) => shape.part.fluid);
     fluids.forEach((shape, k) => {
       shape.liquid = k % palette.liquid.length;
-      if (fluids.length > 1 || shape.part.color) shape.tint = ownColour(shape.part, palette.liquid[shape.liquid]);
+      shape.tint = ownColour(shape.part, palette.liquid[shape.liquid]);
     });
     this.liquids = liquidLooks(fluids.map((shape) => shape.part));
     for (const [kind, colours] of [["sheet", palette.sheet], ["solid", palette.solid]])
@@ -158,7 +158,7 @@ class Renderer {
     if (soft) this.drawOpaqueShadows(sorted, { ...values, ...this.shadows.sky, height: size / 8 });
   }
   ballLook(shape) {
-    const plain = shape.solid || shape.tint && settings.fluid === "plain" ? [...shape.tint, 1] : [0, 0, 0, 0];
+    const plain = shape.solid || settings.fluid === "plain" ? [...shape.tint, 1] : [0, 0, 0, 0];
     return { plain, map: this.maps[channels[fluidChannel()].map], shrink: 0 };
   }
   surfaceLook(shape) {
