@@ -8,6 +8,7 @@
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 
 static const char usage[] =
     "Usage: projdyn run SCENE [OPTIONS]\n"
@@ -312,13 +313,27 @@ static void catch_signals(void) {
     sigaction(SIGUSR1, &action, NULL);
 }
 
+/* Whether --report would replace the scene. */
+static bool is_report_scene(const struct run_options *o) {
+    struct stat report, scene;
+    return o->report && !stat(o->report, &report) && !stat(o->scene.scene, &scene) &&
+           report.st_ino == scene.st_ino && report.st_dev == scene.st_dev;
+}
+
+static int check_report(const struct run_options *o) {
+    if (!is_report_scene(o)) return EXIT_GOOD;
+    fprintf(stderr, "projdyn: --report: expected a new file, found the scene, %s\n", o->report);
+    return EXIT_BAD_INPUT;
+}
+
 int run_main(int argc, char **argv) {
     struct run_options o = {.save_interval = 10};
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
     int code = parse(&o, argc, argv);
     if (code < 0) {
-        code = lengthen_scene(&o);
+        code = check_report(&o);
+        if (code == EXIT_GOOD) code = lengthen_scene(&o);
         if (code == EXIT_GOOD) code = scene_load(&o.scene, &context, &sim);
         if (code == EXIT_GOOD) {
             catch_signals();

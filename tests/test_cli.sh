@@ -232,6 +232,12 @@ done
 ln -sf "$dir/target" "$dir/out/replay.html"
 expect "link at the page of a replay" 0 "frames" "$program" replay "$dir/out"
 expect "the page replaces the link" 0 "mine" sh -c "test ! -L '$dir/out/replay.html' && cat '$dir/target'"
+cp "$scene" "$dir/precious.json"
+expect "a report is no scene" 2 "--report: expected a new file, found the scene" \
+    "$program" run "$dir/precious.json" --report "$dir/out/../precious.json" -o "$dir/out" --time 0.01
+expect "the scene is still there" 0 "" cmp "$scene" "$dir/precious.json"
+expect "a page is no film" 2 "expected a file ending with .html; \`projdyn render\` makes pictures and films" \
+    "$program" replay "$dir/out" -o "$dir/film.mp4"
 expect "a page to standard output" 0 "</html>" sh -c "'$program' replay '$dir/out' -o /dev/stdout | cat"
 expect "links to open descriptors are written through" 0 '"state_hash"' sh -c \
     "'$program' run '$scene' -o '$dir/through' --time 0.02 --quiet --report /dev/stdout | cat"
