@@ -1,6 +1,7 @@
 """projdyn.render, mesh and usd: files of a run by the program."""
 import os
 import pathlib
+import re
 import shutil
 import tempfile
 import unittest
@@ -69,6 +70,14 @@ class Pictures(Files):
     def test_films(self):
         self.assertIn('<video src="data:video/mp4;base64,', self.render("sheet.mp4", fps=10)._repr_html_())
         self.assertIn('<img src="data:image/gif;base64,', self.render("sheet.gif", turntable=0.2)._repr_html_())
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "no ffmpeg")
+    def test_a_fast_gif_keeps_its_length(self):
+        """Programs show pictures of a GIF that are shorter than 2/100 s for 10/100 s."""
+        film = self.render("fast.gif", turntable=0.2, fps=100).path.read_bytes()
+        times = [int.from_bytes(film[k.end() + 1:k.end() + 3], "little") for k in re.finditer(b"\x21\xf9\x04", film)]
+        self.assertGreaterEqual(min(times), 2)
+        self.assertAlmostEqual(sum(times), 20, delta=2)
 
 
 class Errors(Files):
