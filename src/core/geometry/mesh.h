@@ -84,7 +84,7 @@ pdyn_status mesh_visit_crowded_edges(pdyn_context *context, const struct mesh *m
 pdyn_status mesh_check_used(pdyn_context *context, const char *name, int vertices, const int *index,
                             int count, const char *what);
 
-/* Counts the vertices that have the same position as another vertex with a smaller index. */
+/* Counts the vertices that have the same position, but for rounding, as another one. */
 pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh, int *count);
 
 /* Checks what a closed volume needs in addition to mesh_check: every edge has an even number of

@@ -1,6 +1,7 @@
 /* Topology of triangle meshes: checks, edges, areas. Everything is computed from the sides of the
  * triangles, sorted such that the sides of the same edge are adjacent. */
 #include "mesh.h"
+#include "point_list.h"
 
 #include "projdyn/vec3.h"
 
@@ -219,9 +220,23 @@ pdyn_status mesh_check_encloses(pdyn_context *context, const struct mesh *mesh, 
 
 /* ---- vertices at the same place -------------------------------------------------------------- */
 
-static int compare_positions(const void *a, const void *b, void *vertex) {
-    const double *x = (const double *)vertex + 3 * (size_t) * (const int *)a;
-    const double *y = (const double *)vertex + 3 * (size_t) * (const int *)b;
+/* Programs compute both sides of a seam with rounding errors: coordinates are the same if they
+ * round to the same multiple of this part of the longest side of the mesh's box. */
+#define SAME_PLACE 1e-6
+
+/* The coordinates as such multiples. NULL: no memory. */
+static double *rounded_positions(pdyn_context *context, const struct mesh *mesh) {
+    struct box box = box_around(mesh->vertex, mesh->vertices);
+    double longest = 0.0, *place = NEW_ARRAY(context, 3 * (size_t)mesh->vertices, double);
+    for (int k = 0; k < 3; k++) longest = fmax(longest, box.max[k] - box.min[k]);
+    for (size_t k = 0; place && k < 3 * (size_t)mesh->vertices; k++)
+        place[k] = rint(mesh->vertex[k] / (SAME_PLACE * longest));
+    return place;
+}
+
+static int compare_positions(const void *a, const void *b, void *place) {
+    const double *x = (const double *)place + 3 * (size_t) * (const int *)a;
+    const double *y = (const double *)place + 3 * (size_t) * (const int *)b;
     int k = 0;
     while (k < 2 && x[k] == y[k]) k++;
     return (x[k] > y[k]) - (x[k] < y[k]);
@@ -230,17 +245,19 @@ static int compare_positions(const void *a, const void *b, void *vertex) {
 /* For each vertex a vertex at its place, the same one for all that lie there. NULL: no memory. */
 static int *vertex_of_place(pdyn_context *context, const struct mesh *mesh) {
     int *order = NEW_ARRAY(context, mesh->vertices, int);
-    int *place = NEW_ARRAY(context, mesh->vertices, int);
-    if (order && place) {
+    int *vertex = NEW_ARRAY(context, mesh->vertices, int);
+    double *place = rounded_positions(context, mesh);
+    if (order && vertex && place) {
         for (int i = 0; i < mesh->vertices; i++) order[i] = i;
-        qsort_r(order, (size_t)mesh->vertices, sizeof *order, compare_positions, mesh->vertex);
+        qsort_r(order, (size_t)mesh->vertices, sizeof *order, compare_positions, place);
         for (int i = 0; i < mesh->vertices; i++) {
-            bool same = i && !compare_positions(order + i - 1, order + i, mesh->vertex);
-            place[order[i]] = same ? place[order[i - 1]] : order[i];
+            bool same = i && !compare_positions(order + i - 1, order + i, place);
+            vertex[order[i]] = same ? vertex[order[i - 1]] : order[i];
         }
-    } else FREE_ARRAY(context, place, mesh->vertices);
+    } else FREE_ARRAY(context, vertex, mesh->vertices);
     FREE_ARRAY(context, order, mesh->vertices);
-    return place;
+    FREE_ARRAY(context, place, 3 * (size_t)mesh->vertices);
+    return vertex;
 }
 
 pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh, int *count) {
