@@ -101,7 +101,7 @@ int run_record_read(const char *directory, struct scene_options *options, double
     errno = 0;
     json_t *root = *record = json_load_file(path, 0, &error);
     bool good = root && options_from_json(root, options);
-    bool no_memory = errno == ENOMEM;
+    bool no_memory = errno == ENOMEM, found = !good || !access(options->scene, F_OK);
     *end = json_number_value(json_object_get(root, "time"));
     *no_frames = json_is_true(json_object_get(root, "no_frames"));
     if (no_memory) report_no_memory();
@@ -111,6 +111,11 @@ int run_record_read(const char *directory, struct scene_options *options, double
         fprintf(stderr,
                 "projdyn: %s: expected a text \"scene\" and arrays \"set\" and \"plugins\"\n",
                 path);
+    else if (!found)
+        fprintf(stderr,
+                "projdyn: %s: \"scene\": %s: %s; if it was moved, write its present path here\n",
+                path, options->scene, strerror(errno));
+    good = good && found;
     free(path);
     return no_memory ? EXIT_FAILED : good ? EXIT_GOOD : EXIT_BAD_INPUT;
 }

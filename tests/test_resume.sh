@@ -86,6 +86,11 @@ check "not beyond it" refuses "budget" "$program" run --resume part --time 0.6
 "$program" run jet.json --quiet -o long --time 0.4
 check "a run longer than its scene" "$program" run --resume long --quiet --time 0.35
 
+cp "$scene" moved.json
+"$program" run moved.json -o moved --quiet --threads 1 --time 0.04
+rm moved.json
+check "a scene that was moved" refuses 'moved.json: No such file or directory; if it was moved, write its present path here' \
+    "$program" run --resume moved
 check "no run" refuses "no run to continue" "$program" run --resume nowhere
 check "not beside a scene" refuses "taken from the resumed run" "$program" run --resume whole "$scene"
 "$program" run "$scene" --quiet -o shorter --time 0.04 >/dev/null
