@@ -164,7 +164,7 @@ class Scene:
     def add_rigid(self, vertices: Any = None, triangles: Any = None, *,
                   density: Optional[float] = None, mass: Optional[float] = None,
                   name: Optional[str] = None, velocity: Any = None, color: Optional[str] = None,
-                  angular_velocity: Any = None,
+                  angular_velocity: Any = None, center_of_mass: Any = None,
                   box: Optional[Box] = None, sphere: Any = None, capsule: Any = None,
                   mesh: Optional[Path] = None, cell: Optional[float] = None, scale: Any = None,
                   rotate: Any = None, translate: Any = None,
@@ -174,13 +174,14 @@ class Scene:
         vertices: n x 3, m, and triangles: m x 3, indices from 0, counter-clockwise as seen from
         outside; or box: (minimum, maximum), m; or sphere, capsule as in a scene file; or mesh, the
         path of a file; cell, m, as in a scene file. Either density, kg/m^3, or mass, kg. velocity: m/s, and angular_velocity:
-        rad/s, at the start. Otherwise as add_cloth.
+        rad/s, at the start. center_of_mass: m, of a body with ballast. Otherwise as add_cloth.
         """
         name = self._name(name, "bodies", "body")
         arrays, mesh = _shape(_mesh, name, vertices, triangles, mesh)
         rigid = _given(box=None if box is None else _box(box), sphere=sphere, capsule=capsule,
                        mesh=mesh, cell=cell, scale=scale, rotate=rotate, translate=translate,
-                       density=density, mass=mass, angular_velocity=angular_velocity, fluid_friction=fluid_friction)
+                       density=density, mass=mass, center_of_mass=center_of_mass,
+                       angular_velocity=angular_velocity, fluid_friction=fluid_friction)
         return self._add_body(name, "rigid", rigid, _given(velocity=velocity, color=color),
                               constraints, arrays)
 

@@ -1,4 +1,5 @@
 """Scenes from arrays, files and keys."""
+import inspect
 import json
 import os
 import pathlib
@@ -26,6 +27,22 @@ class Scenes(unittest.TestCase):
         sim = scene.load()
         self.assertEqual(list(sim.gravity), [0, -1, 0])
         self.assertLessEqual(sim.step().h, 0.002)
+
+    def test_methods_have_the_keys_of_the_schema(self):
+        text = pathlib.Path(os.environ["PROJDYN_SOURCE_ROOT"], "schema/scene.schema.json").read_text()
+        bodies = json.loads(text)["$defs"]
+        for body, shape, method in (("body_with_surface", "surface", projdyn.Scene.add_cloth),
+                                    ("body_with_volume", "volume", projdyn.Scene.add_soft),
+                                    ("body_that_is_rigid", "rigid", projdyn.Scene.add_rigid),
+                                    ("body_of_particles", "particles", projdyn.Scene.add_fluid)):
+            keys = bodies[body]["properties"]
+            wanted = {*keys, *keys[shape]["properties"]} - {shape, "constraints"}
+            self.assertEqual(wanted - set(inspect.signature(method).parameters), set(), method)
+
+    def test_ballast(self):
+        scene = projdyn.Scene(duration=1)
+        scene.add_rigid(box=([0, 0, 0], [1, 1, 1]), mass=2, center_of_mass=[0.5, 0.1, 0.5])
+        np.testing.assert_allclose(scene.load().bodies["body0"].position, [0.5, 0.1, 0.5], rtol=0, atol=1e-12)
 
     def test_a_path_makes_no_body_of_a_misspelt_name(self):
         scene = hanging_sheet()
