@@ -79,6 +79,7 @@ FREE = ("bodies.1.constraints.1", None)
 JET = {"disc": {"center": [0, 0.2, 0], "radius": 0.05}, "direction": [0, -1, 0], "speed": 2}
 BALL = {"name": "ball", "sphere": {"center": [0, 0.06, 0], "radius": 0.05}}
 WATER_ONLY = (("bodies.1", None), ("contact", None))
+SHEET_ONLY = (("bodies.0", None), ("solids", None))
 DUST = ("bodies.0.constraints", [])
 
 
@@ -98,6 +99,8 @@ MISTAKES = [
     Mistake("cloth without constraints", change(("bodies.1.constraints", [])), "[unconstrained]"),
     Mistake("cloth that only bends", change(("bodies.1.constraints", [{"type": "bending", "bending_rigidity": 1e-4}])),
             'only "bending" holds its vertices together'),
+    Mistake("springs on cells that are not square", change(("bodies.1.surface.grid", {"size": [0.3, 0.6], "vertices": [9, 9]}), *SHEET_ONLY),
+            'sheet: the cells of its grid are 0.0375 m x 0.075 m: "spring" has 0.33 times the stiffness that is given along the first side, and 2 times along the second [oblong]'),
     Mistake("places in the path of a pin", change(("bodies.1.constraints.2", {"type": "pin", "vertices": {"border": True}, "path": [[0, 1, 2, 3]]}), ("duration", 0.02),
                                                 ("solver", {"outer_iterations": 5})),
             'sheet: the path of "pin" starts with (1, 2, 3) m', codes=(0, 0)),

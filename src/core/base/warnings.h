@@ -16,6 +16,7 @@
     X(UNUSUAL, "unusual")                                                                          \
     X(SCALE, "scale")                                                                              \
     X(SLIVERS, "slivers")                                                                          \
+    X(OBLONG, "oblong")                                                                            \
     X(COARSE, "coarse")                                                                            \
     X(THICKNESS, "contact-thickness")                                                              \
     X(TOLERANCE, "tolerance")                                                                      \

@@ -1,11 +1,13 @@
-/* Warnings about the scale of bodies and solids, and about meshes: thin triangles, coarse
- * tetrahedra, and edges beside the contact thickness. */
+/* Warnings about the scale of bodies and solids, and about meshes: thin triangles, oblong cells,
+ * coarse tetrahedra, and edges beside the contact thickness. */
 #include "extent.h"
 #include "live_particles.h"
 #include "sim.h"
 #include "warn.h"
 
 #include "projdyn/vec3.h"
+
+#include <string.h>
 
 /* Extents that occur in practice. */
 static const double min_extent = 2e-3, max_extent = 500.0; /* m */
@@ -15,6 +17,9 @@ static const double min_filled = 0.85; /* of the volume of a mesh, by tetrahedra
 static const double max_rounding = 0.01;
 /* Height of a triangle over its longest side. */
 static const double min_thinness = 0.01;
+/* Long over short side of a cell of a grid: at 1.2 springs have 0.77 and 1.26 of their stiffness.
+ */
+static const double max_oblong = 1.2;
 /* Contact thickness of a rigid body, in mean edge lengths; pairs grow with its square. */
 static const double max_thickness = 2.5;
 
@@ -113,6 +118,28 @@ static void check_slivers(struct pdyn_sim *sim, int b) {
             count, first[0], first[1], first[2]);
 }
 
+/* Young's modulus along the sides of length a over the given one, of a sheet of springs whose cells
+ * are a x b and have both diagonals equally often. */
+static double modulus_along(double a, double b) { return 3.0 * a * a / (a * a + 2.0 * b * b); }
+
+/* Warns of springs on a grid whose cells are not square: the sheet has another stiffness in each
+ * direction. */
+static void check_cells(struct pdyn_sim *sim, int b) {
+    const struct scene_body *body = &sim->scene.body[b];
+    const double *rest = sim->body[b].rest;
+    bool springs = false;
+    for (int k = 0; k < body->constraints; k++)
+        springs |= !strcmp(body->constraint[k].type->name, "spring");
+    if (!body->grid[0] || !springs) return;
+    double first = vec3_distance(rest, rest + 3);
+    double second = vec3_distance(rest, rest + 3 * (size_t)body->grid[0]);
+    if (fmax(first, second) <= max_oblong * fmin(first, second)) return;
+    WARN(sim, OBLONG, body->name,
+         "the cells of its grid are %.3g m x %.3g m: \"spring\" has %.2g times the stiffness that "
+         "is given along the first side, and %.2g times along the second",
+         first, second, modulus_along(first, second), modulus_along(second, first));
+}
+
 /* Warns where "cell" is too large for the mesh that it fills. */
 static void check_filled(struct pdyn_sim *sim, int b) {
     const struct scene_body *body = &sim->scene.body[b];
@@ -152,6 +179,7 @@ void warn_of_meshes(struct pdyn_sim *sim) {
         check_scale_of_fluid(sim, b);
         check_distance(sim, b);
         check_slivers(sim, b);
+        check_cells(sim, b);
         check_filled(sim, b);
         check_thickness(sim, b);
     }
