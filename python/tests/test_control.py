@@ -31,6 +31,20 @@ class Control(unittest.TestCase):
         steps(sim, 60)
         self.assertLess(sheet.x[40, 1], -1e-3)
 
+    def test_force_on_few_vertices_in_a_long_step(self):
+        scene = projdyn.Scene(threads=1, duration=6, frame_interval=1, gravity=[0, 0, 0],
+                              time_step={"fixed": 1, "integrator": "euler"}, solver={"tolerance": 0.01})
+        foot = {"box": {"minimum": [-1, -1, -1], "maximum": [1, -0.249, 1]}}
+        scene.add_soft(grid={"size": [0.1, 0.5, 0.1], "cells": [2, 10, 2]}, name="bar", density=1000,
+                       tet={"stiffness": 1e5}, pin={"vertices": foot})
+        sim = scene.load()
+        bar = sim.bodies["bar"]
+        top = bar.rest[:, 1] > 0.249
+        bar.set_forces(np.outer(top, [0, 10 / top.sum(), 0]))  # 1 % of strain
+        self.assertLessEqual(sim.step().outer_iterations, 20)
+        steps(sim, 5)
+        self.assertAlmostEqual((bar.x - bar.rest)[top, 1].mean(), 0.005, delta=0.0002)
+
     def test_the_second_of_two_bodies(self):
         scene = projdyn.Scene(threads=1, gravity=[0, 0, 0])
         for name, y in (("first", 0), ("second", 1)):

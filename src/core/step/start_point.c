@@ -1,5 +1,5 @@
-/* The first iterate of a step: s, or nearer to the state where surfaces are in the way, or s with
- * the constraints' acceleration of the last step. */
+/* The first iterate of a step: s, or nearer to the state where surfaces are in the way, or s
+ * without applied forces, or s with the constraints' acceleration of the last step. */
 #include "start_point.h"
 
 #include "carried.h"
@@ -94,11 +94,29 @@ static pdyn_status start_inertia(struct pdyn_sim *sim, double *energy) {
     return status == PDYN_OK ? start_between(sim, 0.0, energy) : status;
 }
 
+/* Starts without the forces that a program applies, where that lowers E: forces on few vertices
+ * move these far from the others in a long step. */
+static pdyn_status leave_out_forces(struct pdyn_sim *sim, double *energy) {
+    const double *force = sim->control.force;
+    double least, other, h_e = sim->objective.h, *x = sim->trial;
+    if (!force) return PDYN_OK;
+    memcpy(x, sim->objective.s, objective_bytes(&sim->objective));
+    for (int k = 0; k < 3 * sim->objective.particles; k++)
+        x[k] -= h_e * h_e * force[k] / sim->objective.mass[k / 3];
+    pdyn_status status = start_at(sim, x, &least, &other, sim->trial_gradient);
+    if (status != PDYN_OK) return status;
+    if (!(other < *energy)) return start_at(sim, sim->x_next, &least, energy, sim->gradient);
+    iterate_accept_trial(sim);
+    *energy = other;
+    return PDYN_OK;
+}
+
 /* Adds the acceleration of the last step where that lowers E, except after a step that was cut
  * short: its error would be handed on. */
 static pdyn_status start_positions(struct pdyn_sim *sim, double *energy) {
     double warm, least;
     pdyn_status status = start_inertia(sim, energy);
+    if (status == PDYN_OK) status = leave_out_forces(sim, energy);
     if (status != PDYN_OK || sim->last_h == 0.0 || sim->far_off) return status;
     predict_with_acceleration(sim, sim->trial);
     status = start_at(sim, sim->trial, &least, &warm, sim->trial_gradient);
