@@ -90,6 +90,62 @@ static void test_goes_on(void **state) {
     pdyn_destroy(context);
 }
 
+/* One solve for the right-hand side b with this stop; y: the solution. Returns the iterations. */
+static int solve_once(pdyn_sim *sim, pdyn_stop stop, const double *b, double *y, double *rest) {
+    size_t bytes = objective_bytes(&sim->objective);
+    int iterations;
+    stop.first_of_step = true;
+    memcpy(rest, b, bytes), memset(y, 0, bytes);
+    assert_int_equal(sim->solver->solve(sim->solver_state, rest, y, &stop, &iterations), PDYN_OK);
+    return iterations;
+}
+
+/* Where min_progress of 0.02 ends a solve, from the minima of the model, (y.H y)/2 - b.y, after
+ * 0, 1, 2, ... iterations; `first` ones come first. */
+static int end_of_progress(pdyn_sim *sim, const double *b, double *y, double *rest, int first) {
+    pdyn_model *m = &sim->model.model;
+    double before = 0.0, all = 0.0, gain = INFINITY;
+    for (int k = 1, counted = 0;; k++) {
+        if (k > first && gain < 0.02 * all / fmax(counted, 1)) return k - 1;
+        solve_once(sim, (pdyn_stop){.rel_tol = 1e-14, .max_iterations = k}, b, y, rest);
+        double value = -0.5 * (m->dot(m, b, y) + m->dot(m, rest, y));
+        gain = before - value, before = value;
+        if (k > 1 || !first) all += gain, counted++;
+    }
+}
+
+/* A solve of cg ends at the first of its criteria. */
+static void test_stop(void **state) {
+    (void)state;
+    enum { N = 3 * 17 * 17 };
+    pdyn_context *context = test_context(1);
+    double b[N + 1], y[N + 1], rest[N + 1];
+    uint64_t seed = 1;
+    pdyn_sim *sim =
+        hang(context, 17, "\"time_step\": {\"fixed\": 0.02}, \"solver\": {\"type\": \"cg\"}");
+    pdyn_model *m = &sim->model.model;
+    for (int step = 0; step < 3; step++) test_step(context, sim);
+    for (int i = 0; i < N; i++) b[i] = test_random(&seed);
+    assert_int_equal(solver_view_linearise(&sim->model, 0.0), PDYN_OK);
+    pdyn_stop stop = {.rel_tol = 1e-3, .max_iterations = 1000};
+    double target = 1e-3 * m->norm(m, b);
+    int enough = solve_once(sim, stop, b, y, rest);
+    assert_true(enough > 10 && m->norm(m, rest) <= target);
+    stop.max_iterations = enough - 1;
+    assert_int_equal(solve_once(sim, stop, b, y, rest), enough - 1);
+    assert_true(m->norm(m, rest) > target);
+    for (int first = 0; first < 4; first++) {
+        stop = (pdyn_stop){.rel_tol = 1e-14, .min_progress = 0.02, .max_iterations = 1000};
+        stop.min_iterations = first;
+        int done = solve_once(sim, stop, b, y, rest);
+        assert_int_equal(done, end_of_progress(sim, b, y, rest, first));
+        stop.rel_tol = 1.0;
+        assert_int_equal(solve_once(sim, stop, b, y, rest), first);
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* A right-hand side that is not finite leaves nothing to the solves of the next step. */
 static void test_not_finite(void **state) {
     (void)state;
@@ -217,6 +273,7 @@ int main(void) {
         cmocka_unit_test(test_far_tank),
         cmocka_unit_test(test_hybrid),
         cmocka_unit_test(test_goes_on),
+        cmocka_unit_test(test_stop),
         cmocka_unit_test(test_not_finite),
         cmocka_unit_test(test_changing_step),
         cmocka_unit_test(test_failing_allocator),
