@@ -359,6 +359,23 @@ static void remove_run(const char *name) {
     assert_int_equal(system(command), 0);
 }
 
+/* The last row of a file has the time and the values of all probes. */
+static void check_last_row(pdyn_sim *sim, const char *text) {
+    const char *row = text + strlen(text) - 1;
+    char *at, wanted[32];
+    int columns = 0;
+    while (row[-1] != '\n') row--;
+    assert_true(fabs(strtod(row, &at) - pdyn_time(sim)) < 1e-9);
+    pdyn_probe_info probe;
+    for (int k = 0; (probe = pdyn_get_probe(sim, k)).name; k++)
+        for (int m = 0; m < probe.values; m++, columns++, at += strlen(wanted)) {
+            snprintf(wanted, sizeof wanted, isfinite(probe.value[m]) ? ",%.9g" : ",",
+                     probe.value[m]);
+            assert_memory_equal(at, wanted, strlen(wanted));
+        }
+    assert_true(columns > 10 && !strcmp(at, "\n"));
+}
+
 /* A run that is saved, goes on, and is resumed from there writes the same file. */
 static void test_resume(void **state) {
     (void)state;
@@ -366,6 +383,8 @@ static void test_resume(void **state) {
     pdyn_sim *sim = test_load(context, quoted(everything));
     assert_int_equal(pdyn_writer_open(sim, "whole", false, &writer), PDYN_OK);
     write_steps(sim, writer, 10);
+    char *whole = file_text("whole/probes.csv");
+    check_last_row(sim, whole);
     pdyn_writer_close(writer);
     pdyn_free(sim);
     sim = test_load(context, quoted(everything));
@@ -380,7 +399,7 @@ static void test_resume(void **state) {
     write_steps(sim, writer, 4);
     pdyn_writer_close(writer);
     pdyn_free(sim);
-    char *whole = file_text("whole/probes.csv"), *parts = file_text("parts/probes.csv");
+    char *parts = file_text("parts/probes.csv");
     assert_string_equal(whole, parts);
     assert_memory_equal(whole, "time_s,p.pressure_Pa,p.velocity_x_m_s,", 38);
     int rows = 0;
