@@ -276,15 +276,14 @@ class Output(unittest.TestCase):
                 left = {path.name for path in directory.glob("boundary*")}
                 self.assertEqual(left, {"boundary.vtk"})
 
-    def test_obj_of_a_grid(self):
-        body = next(b for b in self.report["bodies"] if b["kind"] == "surface")
-        points, cells, _, _ = read_vtk(self.directory / f"{body['name']}_000000.vtk")
-        mesh = meshio.read(self.directory / f"{body['name']}.obj")
+    def check_grid(self, directory, name):
+        points, cells, _, _ = read_vtk(directory / f"{name}_000000.vtk")
+        mesh = meshio.read(directory / f"{name}.obj")
         self.assertTrue(np.allclose(mesh.points, points, atol=1e-6))
         self.assertTrue((mesh.cells_dict["triangle"] == cells).all())
         low, high = points.min(axis=0), points.max(axis=0)
         u, v = ((points - low)[:, [0, 2]] / (high - low)[[0, 2]]).T
-        lines = (self.directory / f"{body['name']}.obj").read_text().splitlines()
+        lines = (directory / f"{name}.obj").read_text().splitlines()
         texture = np.array([line.split()[1:] for line in lines if line.startswith("vt ")], float)
         self.assertTrue(np.allclose(texture, np.column_stack([u, 1 - v]), atol=1e-6))
 
@@ -330,19 +329,25 @@ f -2 3 5
             self.assertIn("square.obj: the scene reads this file", done.stderr)
             self.assertEqual(source.read_text(), text)
 
-    def test_strings(self):
-        """An attachment: its vertices, and where its springs end on the other body."""
+    def test_two_grids(self):
+        """An attachment: its vertices and times, and where its springs end on the other body. Grids
+        have texture coordinates, and each constraint on each body has its own column of energy."""
         with tempfile.TemporaryDirectory() as name:
             spring = {"type": "spring", "stretching_stiffness": 9}
             low, high = ({"name": body, "constraints": [spring], "surface": {
-                "grid": {"size": [1, 1], "vertices": [3, 3]}, "translate": [0, height, 0],
+                "grid": {"size": [1, 1], "vertices": [3, 4]}, "translate": [0, height, 0],
                 "area_density": 1}} for body, height in (("low", 2), ("high", 3)))
             low["constraints"] = [spring, {"type": "attachment", "to": "high", "stiffness": 5,
-                                           "vertices": {"vertices": [4, 8]}}]
+                                           "vertices": {"vertices": [4, 8]}, "from": 0.01}]
             done = run(name, "--time", "0.02", "--set", f"bodies={json.dumps([low, high])}")
             self.assertEqual(done.returncode, 0, done.stderr)
             strings, = json.loads((pathlib.Path(name) / "report.json").read_text())["strings"]
-            self.assertEqual((strings["body"], strings["to"]), ("low", "high"))
+            self.assertEqual((strings["body"], strings["to"], strings["from"]), ("low", "high", 0.01))
+            for body in ("low", "high"):
+                self.check_grid(pathlib.Path(name), body)
+            header = (pathlib.Path(name) / "metrics.csv").read_text().splitlines()[0].split(",")
+            self.assertEqual([column for column in header if column.startswith("energy_")], [
+                "energy_low.spring_J", "energy_low.attachment_J", "energy_high.spring_J"])
             for vertex, (own, *ends) in zip((4, 8), strings["ends"]):
                 self.assertEqual(own, vertex)
                 self.assertAlmostEqual(sum(w for end, w in zip(ends[:3], ends[3:]) if end == vertex), 1)
@@ -442,6 +447,35 @@ f -2 3 5
                 *self.report["momentum"]["end"], *self.report["pin_reaction"]]
         self.assertTrue(np.allclose(told, table[-1, 8:17], rtol=1e-7, atol=1e-12))
         self.assertAlmostEqual(self.report["pin_reaction_N"], np.linalg.norm(table[-1, 14:17]), 5)
+
+    def test_statistics(self):
+        """A hard impact in few iterations: the report has means, sums and extremes of the columns."""
+        with tempfile.TemporaryDirectory() as name:
+            done = run(name, "--time", "0.06", "--no-frames", "--set", "bodies.water.velocity=[0, -2, 0]",
+                       "--set", "solver.outer_iterations=3", "--set", "time_step.cfl=0.4")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            report = json.loads((pathlib.Path(name) / "report.json").read_text())
+            with open(pathlib.Path(name) / "metrics.csv", newline="") as file:
+                header, *rows = csv.reader(file)
+        column = dict(zip(header, np.array(rows, dtype=float).T))
+        residual = {body["name"]: column["residual_" + body["name"]] for body in report["bodies"]}
+        error, most, h = column["density_error_mean"], column["density_error_max"], column["h_s"]
+        told = [*report["impacts"].values(), *report["density_error"].values(), report["retries"],
+                *(report["time_step"][k] for k in ("min", "mean", "max")), report["unsolved_steps"],
+                *(report["ms"][k] for k in ("neighbours", "local", "global", "contact")),
+                *(body["step_residual"][k] for body in report["bodies"] for k in ("mean", "max"))]
+        wanted = [column["impacts"].mean(), column["impacts"].max(),
+                  error.mean(), error.max(), most.mean(), most.max(), column["retries"].sum(),
+                  h.min(), h.mean(), h.max(), (column["step_residual"] > 0.1).sum(),
+                  *(column["ms_" + k].mean() for k in ("neighbours", "local", "global", "contact")),
+                  *(value for r in residual.values() for value in (r.mean(), r.max()))]
+        self.assertTrue(np.allclose(told, wanted, rtol=1e-7, atol=1e-12), (told, wanted))
+        self.assertTrue((np.maximum(*residual.values()) == column["step_residual"]).all())
+        for warning in report["warnings"]:
+            unsolved = column["time_s"][residual[warning["subject"]] > 0.1]
+            self.assertEqual((warning["code"], warning["count"]), ("unsolved", len(unsolved)))
+            self.assertTrue(np.allclose([warning["first_s"], warning["last_s"]], unsolved[[0, -1]]))
+        self.assertEqual(len(report["warnings"]), 2)
 
     def test_report(self):
         for path in REPORT:
