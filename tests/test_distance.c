@@ -49,16 +49,32 @@ static struct four random_pair(uint64_t *seed, int sort) {
         if (sort == 3) p.x[3][a] = p.x[2][a];
         if (sort == 4) p.x[1][a] = p.x[2][a] = p.x[3][a];
         if (sort == 5) p.x[3][a] = 0.5 * (p.x[1][a] + p.x[2][a]);
+        if (sort == 6) p.x[3][a] = p.x[2][a] - 0.7 * (p.x[1][a] - p.x[0][a]) + 2e-5 * p.d[0][a];
     }
     return p;
+}
+
+/* Smallest distance of an end of either edge from the other edge. */
+static double distance_of_ends(double (*x)[3]) {
+    double best = INFINITY;
+    for (int end = 0; end < 4; end++) {
+        const double *a = x[end < 2 ? 2 : 0], *b = x[end < 2 ? 3 : 1];
+        double along[3], from[3];
+        vec3_subtract(along, b, a), vec3_subtract(from, x[end], a);
+        double square = vec3_dot(along, along),
+               t = square > 0.0 ? vec3_dot(from, along) / square : 0.0;
+        vec3_add(from, -fmin(1.0, fmax(0.0, t)), along);
+        best = fmin(best, vec3_length(from));
+    }
+    return best;
 }
 
 static void test_distances(void **state) {
     (void)state;
     uint64_t seed = 3;
-    for (int n = 0; n < 3000; n++) {
-        struct four p = random_pair(&seed, n % 6);
-        const struct pair_kind *kind = kinds[n / 6 % 2];
+    for (int n = 0; n < 3500; n++) {
+        struct four p = random_pair(&seed, n % 7);
+        const struct pair_kind *kind = kinds[n / 7 % 2];
         double c[4], u[3] = {0}, first = 0.0, sum = 0.0, d = distance_of(kind, p.x, c);
         double sampled = sampled_distance(kind, p.x, 60);
         for (int k = 0; k < 4; k++) {
@@ -70,6 +86,7 @@ static void test_distances(void **state) {
         assert_true(fabs(first - 1.0) < 1e-12 && fabs(sum) < 1e-12);
         assert_true(fabs(vec3_length(u) - d) < 1e-12);
         assert_true(d <= sampled + 1e-9 && d >= sampled - 0.06);
+        if (kind == &pair_edge_edge) assert_true(d <= distance_of_ends(p.x) + 1e-12);
     }
 }
 

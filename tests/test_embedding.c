@@ -38,6 +38,30 @@ static void assert_carried(const struct embedding *e, const struct mesh *skin,
     free(moved);
 }
 
+static double least_of(const double *weight) {
+    return fmin(fmin(weight[0], weight[1]), fmin(weight[2], weight[3]));
+}
+
+/* A point follows the tetrahedron that it lies in, or the one in which its least coordinate is the
+ * largest: compared with that of every single tetrahedron, for one point in `step`. */
+static void assert_nearest(pdyn_context *context, const struct embedding *e,
+                           const struct mesh *skin, const struct mesh *mesh,
+                           const struct tets *tets, int step) {
+    for (int i = 0; i < skin->vertices; i += step) {
+        const struct mesh point = {.vertices = 1, .vertex = skin->vertex + 3 * (size_t)i};
+        double best = -INFINITY;
+        for (int t = 0; t < tets->count; t++) {
+            const struct tets one = {.count = 1, .corner = tets->corner + 4 * (size_t)t};
+            struct embedding alone;
+            assert_int_equal(embedding_create(context, mesh->vertex, &one, &point, &alone),
+                             PDYN_OK);
+            best = fmax(best, least_of(alone.weight));
+            embedding_free(context, &alone);
+        }
+        assert_true(least_of(e->weight + 4 * (size_t)i) > best - 1e-12);
+    }
+}
+
 /* The knot, and the tetrahedra that fill it, with parts of the knot outside. */
 static struct mesh read_knot(pdyn_context *context, struct mesh *mesh, struct tets *tets) {
     char path[1024];
@@ -60,6 +84,7 @@ static void test_tetrahedra(void **state) {
     struct box box = box_around(mesh.vertex, mesh.vertices);
     assert_int_equal(embedding_create(context, mesh.vertex, &tets, &skin, &e), PDYN_OK);
     assert_carried(&e, &skin, &mesh);
+    assert_nearest(context, &e, &skin, &mesh, &tets, 50);
     for (int k = 0; k < 4 * e.count; k++) assert_true(fabs(e.weight[k]) < 4.0); /* close by */
     for (int i = 0; i < e.count; i++)
         for (int k = 0; k < 4; k++)
@@ -79,13 +104,16 @@ static void test_span(void **state) {
     struct mesh mesh = {0};
     struct tets tets = {0};
     struct embedding e;
-    int corner[4];
+    int corner[4], mirrored[4];
     struct mesh skin = read_knot(context, &mesh, &tets);
     embedding_span(mesh.vertex, mesh.vertices, corner);
     const struct tets one = {.count = 1, .corner = corner};
     assert_int_equal(embedding_create(context, mesh.vertex, &one, &skin, &e), PDYN_OK);
     assert_carried(&e, &skin, &mesh);
     for (int k = 0; k < 4 * e.count; k++) assert_true(fabs(e.weight[k]) < 8.0);
+    for (int i = 0; i < mesh.vertices; i++) mesh.vertex[3 * i] *= -1.0;
+    embedding_span(mesh.vertex, mesh.vertices, mirrored);
+    assert_memory_equal(mirrored, corner, sizeof corner);
     embedding_free(context, &e);
     mesh_free(context, &skin), mesh_free(context, &mesh);
     tets_free(context, &tets);

@@ -1,4 +1,5 @@
 /* Primitive solids: closed, outward oriented, of the right size, and tight for water. */
+#include "geometry/sampling.h"
 #include "scene/primitive_mesh.h"
 #include "support.h"
 
@@ -76,6 +77,32 @@ static void test_box(void **state) {
     pdyn_destroy(context);
 }
 
+/* The boundary points of a box cover its closed faces, and go past an edge where two of these meet.
+ */
+static void test_box_points(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    const struct box box = {{-1, 0, 2}, {1, 3, 6}};
+    for (int open = 0; open < 6; open++) {
+        const struct face_grid grid = {1u << open, 0.3, 0.02, 0.05};
+        struct boundary_points points = {0};
+        double area = 0.0, wanted = 0.0, length[3], across = 0.0;
+        assert_int_equal(sample_box_surface(context, "b", &box, &grid, &points), PDYN_OK);
+        for (int a = 0; a < 3; a++)
+            length[a] = box.max[a] - box.min[a] + (a == open / 2 ? 0.05 : 0.1);
+        for (int side = 0; side < 6; side++)
+            wanted += side == open ? 0.0 : length[(side / 2 + 1) % 3] * length[(side / 2 + 2) % 3];
+        for (int i = 0; i < points.at.count; i++) {
+            double x = points.at.x[3 * i + open / 2];
+            area += points.point[i].area;
+            across = fmax(across, open % 2 ? x - box.max[open / 2] : box.min[open / 2] - x);
+        }
+        assert_true(fabs(area - wanted) < 1e-9 && fabs(across) < 1e-12);
+        boundary_points_free(context, &points);
+    }
+    pdyn_destroy(context);
+}
+
 static void test_plane(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -124,9 +151,8 @@ static void test_water(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_capsules),
-        cmocka_unit_test(test_box),
-        cmocka_unit_test(test_plane),
+        cmocka_unit_test(test_capsules),   cmocka_unit_test(test_box),
+        cmocka_unit_test(test_box_points), cmocka_unit_test(test_plane),
         cmocka_unit_test(test_water),
     };
     return cmocka_run_group_tests_name("shape", tests, NULL, NULL);

@@ -109,6 +109,27 @@ static void test_refusals(void **state) {
     pdyn_destroy(context);
 }
 
+/* Pieces of 1/6, 1/48 and 1/6000 m^3: the largest never counts as small. */
+static void test_small_pieces(void **state) {
+    (void)state;
+    static const double size[3] = {0.5, 1.0, 0.1}, volume[3] = {0.01, 0.1, 1.0};
+    double x[36] = {0}, volumes[3];
+    int corner[12], count;
+    pdyn_context *context = test_context(1);
+    for (int k = 0; k < 12; k++) corner[k] = k;
+    for (int t = 0; t < 3; t++) {
+        for (int v = 1; v < 4; v++) x[12 * t + 4 * v - 1] = size[t];
+        volumes[t] = size[t] * size[t] * size[t] / 6.0;
+    }
+    const struct mesh mesh = {.vertices = 12, .vertex = x};
+    const struct tets tets = {.count = 3, .corner = corner, .volume = volumes};
+    for (int k = 0; k < 3; k++) {
+        assert_int_equal(tets_count_small(context, &mesh, &tets, volume[k], &count), PDYN_OK);
+        assert_int_equal(count, k ? 2 : 1);
+    }
+    pdyn_destroy(context);
+}
+
 /* Two tetrahedra of 1/6 m^3 that share an edge, which has four triangles. */
 static const char touching[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv -1 0 0\nv 0 -1 0\n"
                                "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
@@ -151,9 +172,9 @@ static void test_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ball),     cmocka_unit_test(test_thin_parts),
-        cmocka_unit_test(test_refusals), cmocka_unit_test(test_rigid),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_ball),         cmocka_unit_test(test_thin_parts),
+        cmocka_unit_test(test_small_pieces), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_rigid),        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests_name("stuffing", tests, test_enter_directory,
                                        test_leave_directory);
