@@ -244,13 +244,13 @@ static int fill_beside(const char *keys, const char *bodies, const char *solid) 
     return count;
 }
 
-/* Lattice points farther than 0.25 + 0.05 m from the middle of the box. */
-static int outside_of_ball(void) {
+/* Lattice points farther than a radius + 0.05 m from the middle of the box. */
+static int outside_of_ball(double radius) {
     int count = 0;
     for (int k = 0; k < 1000; k++) {
         double x = 0.1 * (k % 10) - 0.45, y = 0.1 * (k / 10 % 10) - 0.45,
                z = 0.1 * (k / 100) - 0.45;
-        count += x * x + y * y + z * z > 0.3 * 0.3;
+        count += sqrt(x * x + y * y + z * z) > radius + 0.05;
     }
     return count;
 }
@@ -260,7 +260,10 @@ static void test_overlap(void **state) {
     (void)state;
     static const char ball[] = "{'name': 'ball', 'sphere': {'center': [0.5, 0.5, 0.5], 'radius': "
                                "0.25}}";
-    assert_int_equal(fill_beside("", "", ball), outside_of_ball());
+    assert_int_equal(fill_beside("", "", ball), outside_of_ball(0.25));
+    assert_int_equal(
+        fill_beside("", "", "{'sphere': {'center': [0.5, 0.5, 0.5], 'radius': 0.445}}"),
+        outside_of_ball(0.445)); /* with almost half of the particles */
     assert_int_equal(fill_beside("'overlap': 'keep',", "", ball), -1);
     assert_non_null(strstr(pdyn_last_error(context), "particles overlap solid \"ball\""));
     /* a moving solid, at time 0 out of the water */
@@ -283,6 +286,13 @@ static void test_overlap(void **state) {
                                 "'translate': [0, 0.45, 0], 'area_density': 1}}";
     assert_int_equal(fill_beside("", sheet, ""), 900);
     assert_int_equal(fill_beside("'overlap': 'keep',", sheet, ""), 1000);
+    /* water passes a net */
+    assert_int_equal(
+        fill_beside("",
+                    ", {'surface': {'grid': {'size': [3, 3], 'vertices': [4, 4]}, 'translate': "
+                    "[0, 0.45, 0], 'area_density': 1, 'permeability': 0.1}}",
+                    ""),
+        1000);
 }
 
 /* Where an obstacle takes particles of the lower of two fills, the others keep their velocities,

@@ -106,6 +106,27 @@ static void test_placed_file(void **state) {
     test_remove_file("a.ply");
 }
 
+/* Particles of a file may be as close to a wall as water in motion comes, half a radius, but not
+ * closer. */
+static void test_close_to_wall(void **state) {
+    (void)state;
+    static const char scene[] =
+        "{'duration': 1, 'bodies': [{'particles': {'radius': 0.1, 'fill': [{'file': 'a.ply'}]}}], "
+        "'solids': [{'plane': {'center': [0, %g, 0], 'normal': [0, 1, 0], 'size': 9}}]}";
+    test_write_file(samples[1].name, samples[1].data, samples[1].size);
+    for (int k = 0; k < 2; k++) {
+        struct scene read;
+        char text[512];
+        snprintf(text, sizeof text, scene, k ? -0.04 : -0.06);
+        pdyn_status status = read_text(text, NULL, 0, &read);
+        assert_int_equal(status, k ? PDYN_BAD_INPUT : PDYN_OK);
+        if (k) assert_non_null(strstr(pdyn_last_error(context), "1 of 2 particles overlap"));
+        if (!k) assert_int_equal(read.body[0].start.count, 2);
+        if (!k) free_good(&read);
+    }
+    test_remove_file("a.ply");
+}
+
 /* An output file is a valid input. */
 static void test_own_files(void **state) {
     (void)state;
@@ -249,9 +270,10 @@ static void test_no_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_files),     cmocka_unit_test(test_placed_file),
-        cmocka_unit_test(test_own_files), cmocka_unit_test(test_bad_files),
-        cmocka_unit_test(test_damaged),   cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_files),         cmocka_unit_test(test_placed_file),
+        cmocka_unit_test(test_close_to_wall), cmocka_unit_test(test_own_files),
+        cmocka_unit_test(test_bad_files),     cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests_name("particle_files", tests, scene_set_up, scene_tear_down);
 }
