@@ -169,6 +169,32 @@ static void assert_internal(const pdyn_sim *sim, int k) {
                  vec3_length(load.force), vec3_length(load.moment));
 }
 
+/* Water hits a pinned sheet from below. Pins leave out of their force what they pass on of impacts:
+ * nothing where they pull as the impacts push, and no larger part than impacts do. */
+static void test_pins_in_impacts(void **state) {
+    (void)state;
+    int none = 0, all = 0;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, SCENE("'duration': 1, 'frame_interval': 0.1, 'time_step': {'fixed': 0.01}",
+                       PAIR(FLUID_BOX("'velocity': [0, 3, 0], ", "0.03", "-0.15, -0.4, -0.15",
+                                      "0.15, -0.25, 0.15", ", 'stiffness': 1e5"),
+                            GRID_SHEET("", "0.6, 0.6", "11, 11", "'area_density': 1",
+                                       PAIR(SPRINGS("1500"), PINS("'border': true")))),
+                       ""));
+    const struct batch *pins = sim->objective.batch[sim->constraints - 1];
+    assert_true(batch_pins(pins, &sim->body[1]));
+    while (pdyn_time(sim) < 0.5) {
+        test_step(context, sim);
+        assert_true(pins->left_out >= 0.0 && pins->left_out <= sim->left_out);
+        if (!(vec3_length(sim->passed_on + 3) > 0.0)) continue;
+        none += pins->left_out == 0.0, all += pins->left_out == sim->left_out;
+    }
+    assert_true(none > 0 && all > 0);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* Water that a sheet drops into; nothing is held. */
 static const char free_scene[] = SCENE(
     "'duration': 1, 'frame_interval': 0.1, 'time_step': {'fixed': "
@@ -370,9 +396,10 @@ static void test_loads(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_loads),     cmocka_unit_test(test_balance),
-        cmocka_unit_test(test_third_law), cmocka_unit_test(test_energies),
-        cmocka_unit_test(test_springs),   cmocka_unit_test(test_untouched),
-        cmocka_unit_test(test_threads),   cmocka_unit_test(test_calls),
+        cmocka_unit_test(test_third_law), cmocka_unit_test(test_pins_in_impacts),
+        cmocka_unit_test(test_energies),  cmocka_unit_test(test_springs),
+        cmocka_unit_test(test_untouched), cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_calls),
     };
     return cmocka_run_group_tests_name("forces", tests, test_enter_directory, test_leave_directory);
 }
