@@ -19,7 +19,8 @@ SCENE = {
     "FluidBlocks": [{"id": "Oil", "start": [0, 0, 0], "end": [0.5, 0.5, 0.25], "scale": [1, 2, 1],
                      "translation": [0.1, 0, 0], "initialVelocity": [1, 0, 0]}],
     "Emitters": [{"id": "Oil", "width": 4, "height": 2, "translation": [0.5, 1.5, 0],
-                  "rotationAxis": [0, 0, 1], "rotationAngle": -math.pi / 2, "velocity": 2}],
+                  "rotationAxis": [0, 0, 1], "rotationAngle": -math.pi / 2, "velocity": 2,
+                  "emitStartTime": 0.5, "emitEndTime": 1.5}],
     "RigidBodies": [
         {"geometryFile": "UnitBox.obj", "scale": [2, 4, 2], "translation": [0.5, 2, 0], "isWall": True},
         {"geometryFile": "rock.obj", "translation": [3, 0, 0], "rotationAxis": [1, 2, 3],
@@ -70,8 +71,11 @@ class SplishSplash(unittest.TestCase):
         np.testing.assert_allclose(block.min(0), [0.15, 0.05, 0.05], atol=1e-9)
         np.testing.assert_allclose(block.max(0), [0.55, 0.95, 0.2], atol=1e-9)
         np.testing.assert_allclose(tank["maximum"], [1.5, 4, 1])
-        np.testing.assert_allclose(scene["bodies"][0]["particles"]["inlets"][0]["direction"],
-                                   [0, -1, 0], atol=1e-12)
+        inlet, = scene["bodies"][0]["particles"]["inlets"]
+        np.testing.assert_allclose(inlet["direction"], [0, -1, 0], atol=1e-12)
+        np.testing.assert_allclose(inlet["up"], [1, 0, 0], atol=1e-12)
+        self.assertEqual((inlet["start"], inlet["duration"]), (0.5, 1))
+        np.testing.assert_allclose(inlet["rectangle"]["size"], [0.2, 0.1])
         self.assertAlmostEqual(sim.bodies["rigid2"].total_mass / 50, 1, delta=0.12)
 
     def test_old_scenes(self):
@@ -79,8 +83,8 @@ class SplishSplash(unittest.TestCase):
         old = {"Configuration": {"particleRadius": 0.1, "density0": 800, "viscosity": 5,
                                  "maxEmitterParticles": 70, "emitterReuseParticles": True,
                                  "emitterBoxMin": [-5, -5, -5], "emitterBoxMax": [5, 5, 5]},
-               "Emitters": [{"width": 4, "height": 2, "translation": [0, 1, 0], "direction": [0, -1, 0],
-                             "velocity": [0, -3, 0]}],
+               "Emitters": [{"type": 1, "width": 4, "height": 2, "translation": [0, 1, 0],
+                             "direction": [0, -1, 0], "velocity": [0, -3, 0]}],
                "RigidBodies": [{"geometryFile": "no/UnitBoxOpened.obj", "scale": [4, 4, 4]},
                                {"geometryFile": "rock.obj", "isDynamic": 1, "velocity": [1, 0, 0],
                                 "translation": [3, 0, 0], "scale": [2, 2, 2]}],
@@ -92,6 +96,7 @@ class SplishSplash(unittest.TestCase):
         water = scene["bodies"][0]["particles"]
         self.assertEqual((water["rest_density"], water["budget"]), (800, 70))
         self.assertEqual((water["inlets"][0]["direction"], water["inlets"][0]["speed"]), ([0, -3, 0], 3))
+        self.assertEqual(water["inlets"][0]["disc"], {"center": [0, 1, 0], "radius": 0.4})
         self.assertEqual(scene["solids"][0]["open"], ["+y"])
         self.assertEqual(scene["outlets"], [{"outside": True, "box": {"minimum": [-5, -5, -5],
                                                                        "maximum": [5, 5, 5]}}])
@@ -124,6 +129,9 @@ class SplishSplash(unittest.TestCase):
             np.testing.assert_allclose(np.array(matrix) @ axis, axis, atol=1e-12)
             self.assertAlmostEqual(np.trace(matrix), 1 + 2 * math.cos(angle))
             np.testing.assert_allclose(turned(splishsplash.euler(matrix)), matrix, atol=1e-8)
+        for angles in ([40, 90, 0], [40, -90, 10]):  # x and z turn about one axis
+            matrix = turned(angles)
+            np.testing.assert_allclose(turned(splishsplash.euler(matrix.tolist())), matrix, atol=1e-8)
 
     def test_errors(self):
         with self.assertRaisesRegex(projdyn.InputError, "python3 -m projdyn.splishsplash"):
