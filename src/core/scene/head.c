@@ -67,17 +67,15 @@ static double top_of(const struct scene *scene, const struct scene_body *body) {
 }
 
 /* Returns the densest body of particles that reaches above a height, NULL: there is none; *top: how
- * high that density reaches, m. */
+ * high it reaches, m. */
 static const struct scene_body *densest_above(const struct scene *scene, double above,
                                               double *top) {
     const struct scene_body *densest = NULL;
     for (int b = 0; b < scene->bodies; b++) {
         const struct scene_body *body = &scene->body[b];
         double reach = body->has_mesh ? -INFINITY : top_of(scene, body);
-        if (!(reach > above) || (densest && body->rest_density < densest->rest_density)) continue;
-        bool same = densest && body->rest_density == densest->rest_density;
-        *top = same ? fmax(*top, reach) : reach;
-        densest = body;
+        if (!(reach > above) || (densest && body->rest_density <= densest->rest_density)) continue;
+        densest = body, *top = reach;
     }
     return densest;
 }
