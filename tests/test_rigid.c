@@ -121,6 +121,35 @@ static void test_mass(void **state) {
     pdyn_destroy(context);
 }
 
+/* Block Jacobi solves for rigid bodies exactly: one iteration is enough. */
+static void test_linear_solve(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        "{" STEPS_OF(
+            "0.01",
+            "[0, 0, 0]") ", 'solver': {'type': 'cg'}, "
+                         "'bodies': [" BOX(
+                             ", 'rotate': [10, 20, 30], "
+                             "'angular_velocity': [0, 1, 2]") ", 'constraints': [{'type': 'pin', "
+                                                              "'stiffness': 1e5, 'vertices': "
+                                                              "{'vertices': [0, 3]}}]}]}");
+    const pdyn_stop stop = {.rel_tol = 1e-9, .max_iterations = 100, .first_of_step = true};
+    uint64_t seed = 1;
+    int iterations, n = 3 * sim->objective.particles;
+    double *b = test_vector(n), *y = test_vector(n);
+    steps(context, sim, 3);
+    for (int k = 0; k < n; k++) b[k] = test_random(&seed);
+    assert_int_equal(solver_view_linearise(&sim->model, 0.0), PDYN_OK);
+    objective_pull(&sim->objective, b);
+    assert_int_equal(sim->solver->solve(sim->solver_state, b, y, &stop, &iterations), PDYN_OK);
+    assert_int_equal(iterations, 1);
+    free(b), free(y);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* Centre of mass of the only body. */
 static void centre_of_mass(const pdyn_sim *sim, double c[3]) {
     c[0] = c[1] = c[2] = 0.0;
@@ -401,13 +430,13 @@ static void test_errors(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_inward),     cmocka_unit_test(test_mixed),
-        cmocka_unit_test(test_pieces),     cmocka_unit_test(test_mass),
-        cmocka_unit_test(test_ballast),    cmocka_unit_test(test_flight),
-        cmocka_unit_test(test_pendulum),   cmocka_unit_test(test_forces),
-        cmocka_unit_test(test_water_long), cmocka_unit_test(test_poses),
-        cmocka_unit_test(test_threads),    cmocka_unit_test(test_pair),
-        cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_inward),       cmocka_unit_test(test_mixed),
+        cmocka_unit_test(test_pieces),       cmocka_unit_test(test_mass),
+        cmocka_unit_test(test_linear_solve), cmocka_unit_test(test_ballast),
+        cmocka_unit_test(test_flight),       cmocka_unit_test(test_pendulum),
+        cmocka_unit_test(test_forces),       cmocka_unit_test(test_water_long),
+        cmocka_unit_test(test_poses),        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_pair),         cmocka_unit_test(test_errors),
     };
     return cmocka_run_group_tests_name("rigid", tests, test_enter_directory, test_leave_directory);
 }
