@@ -309,6 +309,37 @@ static void test_refused(void **state) {
     test_remove_file("state");
 }
 
+/* Meshes of files that have changed since: a solid with another vertex, and a bipyramid that is cut
+ * into two tetrahedra, then into three. */
+static void test_changed_meshes(void **state) {
+    (void)state;
+    static const char *const rock[] = {"v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n",
+                                       "v 0 0 0\nv 2 0 0\nv 0 0 1\nf 1 2 3\n"};
+    static const char *const cut[] = {"2 4 0\n1 1 3 4 5\n2 2 3 4 5\n",
+                                      "3 4 0\n1 1 2 3 4\n2 1 2 4 5\n3 1 2 5 3\n"};
+    for (int k = 1; k < 3; k++) {
+        pdyn_context *context = test_context(1);
+        for (int changed = 0; changed < 2; changed++) {
+            test_write_text("rock.obj", rock[changed && k == 1]);
+            test_write_text("soft.node",
+                            "5 3 0 0\n1 0 1 0\n2 0 -1 0\n3 1 0 0\n4 -1 0 1\n5 -1 0 -1\n");
+            test_write_text("soft.ele", cut[changed && k == 2]);
+            pdyn_sim *sim = test_load(
+                context,
+                "{'duration': 1, 'bodies': [{'volume': {'mesh': 'soft.ele', 'density': 500}, "
+                "'constraints': [{'type': 'spring', 'stretching_stiffness': 100}]}], "
+                "'solids': [{'mesh': 'rock.obj'}]}");
+            if (!changed) assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
+            if (changed) assert_int_equal(pdyn_restore(sim, "state"), PDYN_BAD_INPUT);
+            if (changed) assert_non_null(strstr(pdyn_last_error(context), "meshes"));
+            pdyn_free(sim);
+        }
+        pdyn_destroy(context);
+    }
+    test_remove_file("rock.obj"), test_remove_file("soft.node"), test_remove_file("soft.ele");
+    test_remove_file("state");
+}
+
 static pdyn_status fail_to_persist(void *self, pdyn_snapshot *snapshot) {
     (void)self, (void)snapshot;
     return PDYN_SOLVER_FAILED;
@@ -383,11 +414,11 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_bits),      cmocka_unit_test(test_every_step),
-        cmocka_unit_test(test_other_settings), cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_failing_module), cmocka_unit_test(test_failing_allocator),
-        cmocka_unit_test(test_failing_hold),   cmocka_unit_test(test_program),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_same_bits),         cmocka_unit_test(test_every_step),
+        cmocka_unit_test(test_other_settings),    cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_changed_meshes),    cmocka_unit_test(test_failing_module),
+        cmocka_unit_test(test_failing_allocator), cmocka_unit_test(test_failing_hold),
+        cmocka_unit_test(test_program),           cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests_name("persist", tests, test_enter_directory,
                                        test_leave_directory);
