@@ -286,6 +286,7 @@ class Control(unittest.TestCase):
             pass
         self.assertEqual(info.particles, 9 * (2 + 0.3 / 0.02))
         x = jet.x[jet.live]
+        self.assertAlmostEqual(jet.total_mass, info.particles * 1000 * 0.02**3)  # not the budget's
         self.assertAlmostEqual(x[x[:, 0] < 0.011, 1].mean(), 0.05)  # the plug in the opening
         with self.assertRaisesRegex(projdyn.InputError, "inlet 0 of body \"jet\": expected a speed"):
             inlet.set_speed(-1)
