@@ -314,6 +314,9 @@ class Mesh(unittest.TestCase):
         self.assertEqual(mesh(self.directory, "--frames", "1:2").returncode, 0)
         self.assertEqual({path.name for path in (self.directory / "mesh").iterdir()},
                          {"water.vtk.series", "water_000001.vtk", "water_000002.vtk"})
+        series = json.loads((self.directory / "mesh/water.vtk.series").read_text())["files"]
+        self.assertEqual([(file["name"], file["time"]) for file in series],
+                         [("water_000001.vtk", 0.1), ("water_000002.vtk", 0.2)])
 
     def test_mistakes(self):
         write_run(self.directory, {"water": [ball(2)]})
