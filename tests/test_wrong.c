@@ -184,6 +184,12 @@ static void select_counting(const void *par, const pdyn_batch *b, int first, int
         b->coefficient[2 * e] = 1.0, b->coefficient[2 * e + 1] = -1.0;
 }
 
+/* Rows of a type without `update` are selected once, when the scene is loaded. */
+static void select_of_step(const void *par, const pdyn_batch *b, int first, int last) {
+    select_edges(par, b, first, last);
+    for (int k = 2 * first; k < 2 * last; k++) b->coefficient[k] *= 1.0 + b->h;
+}
+
 static int elements_counting(const void *par, const pdyn_body *body) {
     return elements(par, body) - atomic_fetch_add(&calls, 1) % 2;
 }
@@ -213,6 +219,7 @@ static void test_values(void **state) {
     t = good, t.select = select_beyond_body,
     wrong_expect(t, "selects particle 42, expected 12 to 41");
     t = good, t.select = select_counting, wrong_expect(t, "select gives another coefficient");
+    t.select = select_of_step, wrong_expect(t, "select gives other rows");
     t = good, t.elements = elements_counting, wrong_expect(t, "elements gives another number");
     t = good, t.elements = elements_negative, wrong_expect(t, "elements");
     t = good, t.elements = elements_none, wrong_expect(t, "`elements` is 0 on a surface");

@@ -10,6 +10,7 @@ enum fault {
     NONE,
     COUNT_CHANGES,
     COUNT_NEGATIVE,
+    ORDER_CHANGES,
     BEYOND_ROOM,
     KEY_BEYOND_ROOM,
     KEYS_EQUAL,
@@ -44,8 +45,10 @@ static void write_element(const pdyn_batch *b, int e, int i) {
 static int update(const void *par, const pdyn_batch *b, const double *x, const double *v,
                   int room) {
     int count = 0, first = now == WITHOUT_FIRST ? 0 : b->body->first;
+    bool backwards = now == ORDER_CHANGES && atomic_fetch_add(&calls, 1) % 3 == 0;
     (void)par, (void)v;
-    for (int i = first; i < first + b->body->count; i++) {
+    for (int k = 0; k < b->body->count; k++) {
+        int i = first + (backwards ? b->body->count - 1 - k : k);
         if (!is_below(x[3 * i + 1])) continue;
         if (count < room || (room && now == BEYOND_ROOM)) write_element(b, count, i);
         if (room && count == room && now == KEY_BEYOND_ROOM) b->key[count] = 0;
@@ -133,6 +136,7 @@ static void test_wrong(void **state) {
         {COUNT_CHANGES, false, "at the same positions"},
         {COUNT_CHANGES, true, "at the same positions"},
         {COUNT_NEGATIVE, false, "it has -"},
+        {ORDER_CHANGES, true, "update gives other elements"},
         {BEYOND_ROOM, true, "update writes beyond the"},
         {KEY_BEYOND_ROOM, false, "update writes beyond the"},
         {KEYS_EQUAL, false, "update gives two elements the same key"},
