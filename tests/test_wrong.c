@@ -243,6 +243,11 @@ static void weight_of_memory(const void *par, const pdyn_batch *b, int first, in
         b->weight[e] = ((const struct params *)par)->stiffness / (1.0 + ((double *)b->memory)[e]);
 }
 
+static void weight_negative_in_steps(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++)
+        b->weight[e] = b->h > 0.0 ? -1.0 : ((const struct params *)par)->stiffness;
+}
+
 /* Damage: the largest strain so far. */
 static void end_of_damage(const void *par, const pdyn_batch *b, int first, int last) {
     double *m = b->memory;
@@ -267,6 +272,9 @@ static void test_weights_that_change(void **state) {
     t.damping = NULL, t.damping_rest = NULL;
     t.weight = weight_of_time, expect_begin(t, "weight depends on `time`, but without `begin`");
     t.weight = weight_of_step, expect_begin(t, "weight depends on the length of the step");
+    t.weight = weight_negative_in_steps, t.begin = begin_nothing;
+    wrong_expect(t, "weight gives -1, expected a finite number of at least 0");
+    t.begin = NULL;
     t.weight = weight, t.memory_size = sizeof(double), t.end = end_of_damage;
     wrong_expect(t, NULL);
     t.weight = weight_of_memory, expect_begin(t, "weight depends on `memory`");
