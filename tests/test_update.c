@@ -251,10 +251,8 @@ static void some_weight(const void *par, const pdyn_batch *b, int first, int las
     for (int e = first; e < last; e++) b->weight[e] = weight_of_all;
 }
 
-static void refuse(int count, int particle, double heavy, const char *why) {
+static void refuse_type(const char *why) {
     pdyn_context *context = test_context(1);
-    count_of_all = count, particle_of_all = particle, weight_of_all = heavy;
-    type = always, type.update = some, type.select = some_select, type.weight = some_weight;
     assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
     pdyn_sim *sim = test_load(context, SHEET(""));
     assert_int_equal(pdyn_step(sim, NULL), PDYN_BAD_INPUT);
@@ -265,6 +263,34 @@ static void refuse(int count, int particle, double heavy, const char *why) {
     pdyn_destroy(context);
 }
 
+static void refuse(int count, int particle, double heavy, const char *why) {
+    count_of_all = count, particle_of_all = particle, weight_of_all = heavy;
+    type = always, type.update = some, type.select = some_select, type.weight = some_weight;
+    refuse_type(why);
+}
+
+static int one(const void *par, const pdyn_body *body) {
+    (void)par, (void)body;
+    return 1;
+}
+
+static void begin_nothing(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par, (void)b, (void)first, (void)last;
+}
+
+static void weight_in_steps(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) b->weight[e] = b->h > 0.0 ? weight_of_all : 1.0;
+}
+
+/* Weights that follow from `begin`. */
+static void refuse_in_begin(double heavy, const char *why) {
+    particle_of_all = 0, weight_of_all = heavy;
+    type = always, type.flags = PDYN_ANCHORED, type.update = NULL, type.elements = one;
+    type.select = some_select, type.weight = weight_in_steps, type.begin = begin_nothing;
+    refuse_type(why);
+}
+
 static void test_refused(void **state) {
     (void)state;
     refuse(-1, 0, 1.0, "constraint \"floor\" on body \"b\": it has -1 elements");
@@ -272,6 +298,8 @@ static void test_refused(void **state) {
     refuse(2, 49, 1.0, "element 0 selects particle 49, expected 0 to 48");
     refuse(2, -1, 1.0, "element 0 selects particle -1, expected 0 to 48");
     refuse(2, 0, NAN, "element 0 has the weight nan, expected a finite one");
+    refuse_in_begin(-1.0, "element 0 has the weight -1, expected a finite one of at least 0");
+    refuse_in_begin(INFINITY, "element 0 has the weight inf, expected a finite one");
 }
 
 int main(void) {

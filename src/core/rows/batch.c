@@ -42,8 +42,9 @@ pdyn_status batch_begin(struct batch *b, const struct step_start *start,
     if (b->type->update && !updates_always(b)) status = batch_update(b, start->x, start->v);
     if (status != PDYN_OK) return status;
     if (b->damper) rows_begin_damper(b, start);
-    else if (b->type->begin) rows_begin(b, start);
-    return PDYN_OK;
+    if (b->damper || !b->type->begin) return PDYN_OK;
+    rows_begin(b, start);
+    return rows_check_weights(b);
 }
 
 pdyn_status batch_local(struct batch *b, const double *x, double time, double *gradient) {

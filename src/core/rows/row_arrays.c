@@ -39,6 +39,16 @@ void rows_selectable(const struct batch *b, int *low, int *high) {
     else *low = v->body->first, *high = v->body->first + v->body->count;
 }
 
+pdyn_status rows_check_weights(const struct batch *b) {
+    const pdyn_batch *v = &b->view;
+    for (int e = 0; e < v->elements; e++)
+        if (!(v->weight[e] >= 0.0 && isfinite(v->weight[e])))
+            return rows_fault(b,
+                              "element %d has the weight %g, expected a finite one of at least 0",
+                              e, v->weight[e]);
+    return PDYN_OK;
+}
+
 pdyn_status rows_check(const struct batch *b) {
     const pdyn_batch *v = &b->view;
     int low, high;
@@ -52,12 +62,7 @@ pdyn_status rows_check(const struct batch *b) {
             return rows_fault(b, "element %d has a coefficient that is not finite",
                               b->entry_element[k]);
     }
-    for (int e = 0; e < v->elements; e++)
-        if (!(v->weight[e] >= 0.0 && isfinite(v->weight[e])))
-            return rows_fault(b,
-                              "element %d has the weight %g, expected a finite one of at least 0",
-                              e, v->weight[e]);
-    return PDYN_OK;
+    return rows_check_weights(b);
 }
 
 void rows_weigh(struct batch *b, int first, int last) {

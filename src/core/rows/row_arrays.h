@@ -16,6 +16,7 @@ void rows_selectable(const struct batch *batch, int *low, int *high);
 /* PDYN_BAD_INPUT where a row selects a particle that it may not, where a coefficient is not finite,
  * or a weight is negative or not finite. */
 pdyn_status rows_check(const struct batch *batch);
+pdyn_status rows_check_weights(const struct batch *batch);
 
 /* Fills the weights of the elements [first, last); 0 where the batch is off. */
 void rows_weigh(struct batch *batch, int first, int last);
