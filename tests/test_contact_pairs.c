@@ -18,7 +18,7 @@ static const char scene[] =
     "0.02], 'area_density': 0.2}, 'constraints': [{'type': 'spring', 'stretching_stiffness': "
     "500}]},\n"
     "{'name': 'water', 'constraints': [{'type': 'fluid'}], 'particles': {'radius': 0.02, "
-    "'budget': 38, 'fill': [{'box': {'minimum': [0, 0.2, 0], 'maximum': [0.08, 0.28, 0.08]"
+    "'budget': %d, 'fill': [{'box': {'minimum': [0, 0.2, 0], 'maximum': [0.08, 0.28, 0.08]"
     "}}],\n'inlets': [{'disc': {'center': [0, 0.5, 0], 'radius': 0.05}, 'direction': [0, -1, 0], "
     "'speed': 1}]}}],\n"
     "'solids': [{'name': 'ball', 'sphere': {'center': [0, 0, 0], 'radius': 0.15}},\n"
@@ -31,9 +31,12 @@ struct trial {
     struct contact *contact;
 };
 
-static struct trial start(void) {
+/* budget: particles that exist or not. */
+static struct trial start(int budget) {
     struct trial t = {.context = test_context(1)};
-    t.sim = test_load(t.context, quoted(scene));
+    char text[2048];
+    snprintf(text, sizeof text, scene, budget);
+    t.sim = test_load(t.context, quoted(text));
     t.contact = t.sim->objective.contact;
     return t;
 }
@@ -149,7 +152,7 @@ static void move_points(struct contact *c, int every, double size, uint64_t *see
 
 static void test_motion(void **state) {
     (void)state;
-    struct trial t = start();
+    struct trial t = start(38);
     struct contact *c = t.contact;
     uint64_t seed = 5;
     int few = 0, most = 0;
@@ -168,10 +171,10 @@ static void test_motion(void **state) {
 }
 
 /* In steps, with particles that come into being. */
-static void test_steps(void **state) {
-    (void)state;
-    struct trial t = start();
+static void check_steps(int budget) {
+    struct trial t = start(budget);
     int live = 0;
+    check_list(t.contact);
     for (int k = 0; k < 40; k++) {
         test_step(t.context, t.sim);
         if (k % 8 == 0) assert_int_equal(t.contact->current.view.count, count_contacts(t.contact));
@@ -182,7 +185,19 @@ static void test_steps(void **state) {
     finish(&t);
 }
 
+static void test_steps(void **state) {
+    (void)state;
+    check_steps(38);
+}
+
+/* Most points are particles that do not exist, from the first search on. */
+static void test_absent(void **state) {
+    (void)state;
+    check_steps(5000);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_motion), cmocka_unit_test(test_steps)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_motion), cmocka_unit_test(test_steps),
+                                       cmocka_unit_test(test_absent)};
     return cmocka_run_group_tests_name("contact pairs", tests, NULL, NULL);
 }
