@@ -146,10 +146,12 @@ static void to_velocities(struct pdyn_sim *sim, double *force) {
 
 /* Computes the forces of impacts on particles, N, with the sign of the gradient; returns the number
  * of constraints with an impact. Overwrites sim->trial, direction and rhs. */
-static int find_impacts(struct pdyn_sim *sim, double *force) {
+static int find_impacts(struct pdyn_sim *sim, double h, double *force) {
     struct objective *objective = &sim->objective;
     double *slowed = sim->trial;
     struct velocity_change change = {.slowed = slowed,
+                                     .after = sim->v,
+                                     .taken = 1.0 - objective->h / h,
                                      .particles = objective->particles,
                                      .mass = objective->rigid ? objective->rigid->effective_mass
                                                               : objective->inertia,
@@ -174,7 +176,7 @@ int impacts_correct(struct pdyn_sim *sim, double h) {
     double *impulse = sim->trial_gradient, *between = sim->trial, *kept = sim->rhs;
     double lost[2][3] = {{0}, {0}};
     if (!sim->v_before) return 0;
-    int count = find_impacts(sim, impulse);
+    int count = find_impacts(sim, h, impulse);
     bool any = find_between(sim, impulse, between);
     to_velocities(sim, impulse);
     if (any) to_velocities(sim, between);
