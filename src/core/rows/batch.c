@@ -167,7 +167,7 @@ bool batch_pins_particle(const struct batch *b, int particle) {
 bool batch_has_impacts(const struct batch *b) { return b->op || (b->type->flags & PDYN_ONE_SIDED); }
 
 void batch_find_acceleration(struct batch *b, const struct velocity_change *change) {
-    double *a = change->scratch;
+    double *a = change->acceleration;
     int n = 3 * change->particles;
     memset(a, 0, (size_t)n * sizeof *a);
     if (b->op) {
@@ -181,7 +181,7 @@ void batch_find_acceleration(struct batch *b, const struct velocity_change *chan
 
 static int operator_impacts(struct batch *b, const struct velocity_change *change, double *force) {
     struct one_sided *s = &b->one_sided;
-    batch_rate(b, s->acts, change->scratch, s->reached);
+    batch_rate(b, s->acts, change->acceleration, s->reached);
     batch_rate(b, s->acts, change->slowed, s->rate);
     batch_rate(b, s->acts, change->after, s->multiplier);
     int count = one_sided_impacts(s, b->view.body->mass[0], change->h, change->taken,
@@ -194,9 +194,8 @@ int batch_impacts(struct batch *b, const struct velocity_change *change, double 
     if (!batch_has_impacts(b)) return 0;
     batch_find_acceleration(b, change);
     for (int k = 0; change->yield && k < 3 * change->particles; k++)
-        change->scratch[k] *= change->yield[k / 3];
-    return b->op ? operator_impacts(b, change, force)
-                 : rows_impacts(b, change, change->scratch, force);
+        change->acceleration[k] *= change->yield[k / 3];
+    return b->op ? operator_impacts(b, change, force) : rows_impacts(b, change, force);
 }
 
 bool batch_impacts_between(const struct batch *b, double *force) {

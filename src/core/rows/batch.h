@@ -169,7 +169,9 @@ struct velocity_change {  /* by a step of effective length h, s */
     /* particles: the part of the acceleration by one-sided forces that a particle makes, because
      * other forces, as of pins, hold it; NULL: all of it */
     const double *yield;
-    double *scratch; /* particles x 3 */
+    /* particles x 3, m/s^2: minus the acceleration by all forces of a batch
+     * (batch_find_acceleration); in batch_impacts times the yield */
+    double *acceleration;
 };
 
 /* Whether the forces of a batch can be impacts. */
@@ -179,8 +181,8 @@ bool batch_pins(const struct batch *batch, const pdyn_body *body);
 /* Whether pins of a batch hold this particle. */
 bool batch_pins_particle(const struct batch *batch, int particle);
 
-/* change->scratch = minus the acceleration by all forces of the batch at the last local step: the
- * gradient of its energy over the masses. Ignores change->yield. */
+/* Computes change->acceleration at the last local step: the gradient of the batch's energy over the
+ * masses. Ignores change->yield. */
 void batch_find_acceleration(struct batch *batch, const struct velocity_change *change);
 
 /* One-sided constraints: force += the impact part (one_sided.h) of their forces at the last local

@@ -8,7 +8,6 @@
 struct impacts { /* the arguments of a parallel loop */
     struct batch *batch;
     const struct velocity_change *change;
-    const double *acceleration;
 };
 
 static double yield_of(const struct velocity_change *change, int particle) {
@@ -28,7 +27,7 @@ static void compute_impacts(void *arg, int first, int last, int block) {
         double softness = 0.0, part = 0.0;
         v4_load(&flux, b->flux, r);
         gather_row(b, r, c->change->slowed, &slowed);
-        gather_row(b, r, c->acceleration, &acceleration);
+        gather_row(b, r, c->change->acceleration, &acceleration);
         for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
             softness += yield_of(c->change, v->column[k]) * v->coefficient[k] * v->coefficient[k] /
                         c->change->mass[v->column[k]];
@@ -75,9 +74,8 @@ void rows_scatter_between(const struct batch *b, double *y) {
     }
 }
 
-int rows_impacts(struct batch *b, const struct velocity_change *change, const double *acceleration,
-                 double *force) {
-    struct impacts impacts = {b, change, acceleration};
+int rows_impacts(struct batch *b, const struct velocity_change *change, double *force) {
+    struct impacts impacts = {b, change};
     double count = 0.0;
     pool_for(b->context->pool, b->view.elements, b->grain, compute_impacts, &impacts);
     for (int k = 0; k < pool_blocks(b->view.elements, b->grain); k++) count += b->partial[k];

@@ -65,10 +65,9 @@ void rows_multiply(struct batch *batch, const double *u);
 /* row_diagonal.c: adds the 3 x 3 block diagonal of G' B G. */
 void rows_diagonal(struct batch *batch, double *blocks);
 
-/* row_impacts.c: force += the impact part of the flux of all rows. Returns their number.
- * acceleration: particles x 3, m/s^2, minus that by all forces of the batch. */
-int rows_impacts(struct batch *batch, const struct velocity_change *change,
-                 const double *acceleration, double *force);
+/* row_impacts.c: force += the impact part of the flux of all rows. Returns the number of rows with
+ * an impact. */
+int rows_impacts(struct batch *batch, const struct velocity_change *change, double *force);
 /* Flux times the kept part, of the rows in which solids have a part. */
 void rows_keep_impacts(struct batch *batch, const double *kept);
 /* y += G' flux of the rows that tie particles to particles alone: their forces sum to zero. */

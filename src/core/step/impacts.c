@@ -115,7 +115,7 @@ static void find_yield(struct pdyn_sim *sim, const struct velocity_change *chang
     for (int b = 0; b < objective->batches; b++) {
         if (!batch_has_impacts(objective->batch[b])) continue;
         batch_find_acceleration(objective->batch[b], change);
-        objective_axpy(objective, 1.0, change->scratch, yield);
+        objective_axpy(objective, 1.0, change->acceleration, yield);
     }
     for (int i = 0; i < objective->particles; i++) {
         double one_sided = vec3_length(yield + 3 * (size_t)i);
@@ -158,7 +158,7 @@ static int find_impacts(struct pdyn_sim *sim, double h, double *force) {
                                      .rigid = objective->rigid,
                                      .h = objective->h,
                                      .solved = sim->solved,
-                                     .scratch = sim->direction};
+                                     .acceleration = sim->direction};
     int count = 0;
     memset(force, 0, objective_bytes(objective));
     memcpy(slowed, sim->v_before, objective_bytes(objective));
