@@ -12,7 +12,7 @@ struct call {
     struct one_sided *s;
     const double *u;
     double *out;
-    double eps, t;
+    double eps, t, left_out;
 };
 
 static bool resize_arrays(struct one_sided *s, enum array_action action) {
@@ -42,10 +42,12 @@ static pdyn_status reserve(struct one_sided *s, int count) {
     return PDYN_NO_MEMORY;
 }
 
-static void for_all(struct one_sided *s, int count, pdyn_range_fn *fn, const double *u, double *out,
-                    double eps, double t) {
-    struct call call = {s, u, out, eps, t};
-    pool_for(s->context->pool, count, GRAIN, fn, &call);
+static void for_particles(pdyn_range_fn *fn, struct call call) {
+    pool_for(call.s->context->pool, call.s->particles, GRAIN, fn, &call);
+}
+
+static void for_constraints(pdyn_range_fn *fn, struct call call) {
+    pool_for(call.s->context->pool, call.s->at.count, GRAIN, fn, &call);
 }
 
 /* The sum of what each block counted. */
@@ -68,7 +70,7 @@ static void set_sides(void *arg, int first, int last, int block) {
 pdyn_status one_sided_begin(struct one_sided *s) {
     s->at = s->op->one_sided(s->self);
     pdyn_status status = reserve(s, s->at.count);
-    if (status == PDYN_OK) for_all(s, s->at.count, set_sides, NULL, NULL, 0.0, 0.0);
+    if (status == PDYN_OK) for_constraints(set_sides, (struct call){.s = s});
     return status;
 }
 
@@ -83,7 +85,8 @@ static void add_projective(void *arg, int first, int last, int block) {
 }
 
 void one_sided_apply_projective(struct one_sided *s, double eps, const double *u, double *y) {
-    if (eps > 0.0) for_all(s, s->particles, add_projective, u, y, eps, 0.0);
+    if (eps > 0.0)
+        for_particles(add_projective, (struct call){.s = s, .u = u, .out = y, .eps = eps});
 }
 
 static void multiply_stiffness(void *arg, int first, int last, int block) {
@@ -96,7 +99,7 @@ static void multiply_stiffness(void *arg, int first, int last, int block) {
 void one_sided_apply(struct one_sided *s, double eps, const double *u, double *y) {
     if (eps < 1.0) {
         s->op->rate(s->self, s->acts, u, s->multiplier);
-        for_all(s, s->at.count, multiply_stiffness, NULL, NULL, eps, 0.0);
+        for_constraints(multiply_stiffness, (struct call){.s = s, .eps = eps});
         s->op->force(s->self, s->multiplier, y);
     }
     one_sided_apply_projective(s, eps, u, y);
@@ -118,11 +121,12 @@ static void add_projective_blocks(void *arg, int first, int last, int block) {
 }
 
 void one_sided_projective_diagonal(struct one_sided *s, double eps, double *blocks) {
-    if (eps > 0.0) for_all(s, s->particles, add_projective_blocks, NULL, blocks, eps, 0.0);
+    if (eps > 0.0)
+        for_particles(add_projective_blocks, (struct call){.s = s, .out = blocks, .eps = eps});
 }
 
 void one_sided_diagonal(struct one_sided *s, double eps, double *blocks) {
-    for_all(s, s->at.count, acting_stiffness, NULL, NULL, eps, 0.0);
+    for_constraints(acting_stiffness, (struct call){.s = s, .eps = eps});
     s->op->diagonal(s->self, s->multiplier, blocks);
     one_sided_projective_diagonal(s, eps, blocks);
 }
@@ -140,12 +144,12 @@ static bool acts_at(const struct one_sided *s, int i, double t) {
 static void count_changes(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     double changes = 0.0;
-    for (int i = first; i < last; i++) changes += acts_at(c->s, i, c->t) != c->s->acts[i];
+    for (int i = first; i < last; i++) changes += acts_at(c->s, i, 1.0) != c->s->acts[i];
     c->s->partial[block] = changes;
 }
 
 int one_sided_count_side_changes(struct one_sided *s) {
-    for_all(s, s->at.count, count_changes, NULL, NULL, 0.0, 1.0);
+    for_constraints(count_changes, (struct call){.s = s});
     return sum_counts(s);
 }
 
@@ -164,7 +168,7 @@ static void add_slopes(void *arg, int first, int last, int block) {
 double one_sided_slope(struct one_sided *s, double eps, double t, double *curvature) {
     double sum = *curvature = 0.0;
     if (eps == 1.0) return 0.0;
-    for_all(s, s->at.count, add_slopes, NULL, NULL, eps, t);
+    for_constraints(add_slopes, (struct call){.s = s, .t = t});
     for (int b = 0; b < pool_blocks(s->at.count, GRAIN); b++)
         sum += s->partial[2 * b], *curvature += s->partial[2 * b + 1];
     *curvature *= 1.0 - eps;
@@ -186,7 +190,7 @@ static void change_sides(void *arg, int first, int last, int block) {
 
 void one_sided_step_along(struct one_sided *s, double eps, double t, double *y) {
     if (eps == 1.0) return;
-    for_all(s, s->at.count, change_sides, NULL, NULL, eps, t);
+    for_constraints(change_sides, (struct call){.s = s, .eps = eps, .t = t});
     s->op->force(s->self, s->multiplier, y);
 }
 
@@ -204,17 +208,17 @@ static void compute_forces(void *arg, int first, int last, int block) {
 
 static void store_forces(void *arg, int first, int last, int block) {
     (void)block;
-    struct one_sided *s = ((const struct call *)arg)->s;
-    const double left_out = ((const struct call *)arg)->t;
+    const struct call *c = arg;
+    struct one_sided *s = c->s;
     for (int i = first; i < last; i++) {
-        double impact = left_out > 0.0 ? s->multiplier[i] : 0.0;
+        double impact = c->left_out > 0.0 ? s->multiplier[i] : 0.0;
         s->multiplier[i] = force_of(s, i);
-        s->mean[i] = s->multiplier[i] - left_out * impact;
+        s->mean[i] = s->multiplier[i] - c->left_out * impact;
     }
 }
 
 void one_sided_store_forces(struct one_sided *s, double left_out, bool solved) {
-    for_all(s, s->at.count, store_forces, NULL, NULL, 0.0, left_out);
+    for_constraints(store_forces, (struct call){.s = s, .left_out = left_out});
     s->means = solved ? s->at.count : 0;
 }
 
@@ -235,7 +239,7 @@ void one_sided_persist(struct one_sided *s, struct snapshot_file *snapshot) {
 }
 
 void one_sided_forces(struct one_sided *s, double *y) {
-    for_all(s, s->at.count, compute_forces, NULL, NULL, 0.0, 0.0);
+    for_constraints(compute_forces, (struct call){.s = s});
     s->op->force(s->self, s->multiplier, y);
 }
 
