@@ -16,33 +16,22 @@ enum { GRAIN = 2048, SUMS = 4, MAX_PER_PARTICLE = 16 };
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
+static void *resize(const struct multipliers *m, void *array, size_t bytes, bool allocate) {
+    return m->services->allocate(m->services->core, array, allocate ? 0 : bytes,
+                                 allocate ? bytes : 0);
+}
+
 /* Allocates or frees the arrays. */
 static bool resize_arrays(struct multipliers *m, bool allocate) {
     size_t count = (size_t)m->count, sums = SUMS * (size_t)block_count(m->count, GRAIN);
-    const struct {
-        void *pointer; /* address of the pointer to the array */
-        size_t bytes;
-    } all[] = {
-        {&m->lambda, count * sizeof *m->lambda},
-        {&m->value, count * sizeof *m->value},
-        {&m->stiffness, count * sizeof *m->stiffness},
-        {&m->squares, count * sizeof *m->squares},
-        {&m->g, count * sizeof *m->g},
-        {&m->p, count * sizeof *m->p},
-        {&m->q, count * sizeof *m->q},
-        {&m->inverse, count * sizeof *m->inverse},
-        {&m->in_solve, count * sizeof *m->in_solve},
-        {&m->sums, sums * sizeof *m->sums},
-    };
-    bool good = true;
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
-        size_t bytes = all[k].bytes;
-        void *array; /* memcpy: the pointers have different types */
-        memcpy(&array, all[k].pointer, sizeof array);
-        array = m->services->allocate(m->services->core, array, allocate ? 0 : bytes,
-                                      allocate ? bytes : 0);
-        memcpy(all[k].pointer, &array, sizeof array);
-        good &= array != NULL;
+    double **const numbers[] = {&m->lambda, &m->value, &m->stiffness, &m->squares,
+                                &m->g,      &m->p,     &m->q,         &m->inverse};
+    m->in_solve = resize(m, m->in_solve, count * sizeof *m->in_solve, allocate);
+    m->sums = resize(m, m->sums, sums * sizeof *m->sums, allocate);
+    bool good = m->in_solve && m->sums;
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+        *numbers[k] = resize(m, *numbers[k], count * sizeof **numbers[k], allocate);
+        good &= *numbers[k] != NULL;
     }
     return good;
 }
