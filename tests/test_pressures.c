@@ -100,7 +100,7 @@ static void test_surprise(void **state) {
     assert_int_equal(sim->choice.active, 1);
     assert_true(sim->eps == 0.0);
     assert_false(solver_choice_has_lost(sim, 201));
-    solver_choice_step(sim, 1, true);
+    solver_choice_step(sim, 1);
     assert_int_equal(sim->choice.active, 0);
     assert_true(sim->eps == 0.25);
     pdyn_free(sim);

@@ -8,6 +8,7 @@ struct progress {
     double energy;        /* J, at the iterate */
     double energy_before; /* J, an iteration earlier */
     double residual;      /* the largest of all bodies at the iterate */
+    bool far_off;         /* the residual is far above the tolerance at the end of the attempt */
     double rise;          /* J: velocities_measure_rise */
     int outer, linear;    /* iterations */
 };

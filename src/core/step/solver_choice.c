@@ -163,14 +163,14 @@ static double work_of_step(const struct pdyn_sim *sim) {
     return (double)(sim->objective.work - sim->choice.opened);
 }
 
-void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved) {
+void solver_choice_step(struct pdyn_sim *sim, int iterations) {
     struct solver_choice *c = &sim->choice;
     if (c->handed_over) change_solver(sim);
     c->handed_over = false;
     c->dual_steps += sim->solver->dual;
     if (c->count < 2) return;
     struct solver_slot *now = &c->slot[c->active];
-    double cost = work_of_step(sim) * (solved ? 1.0 : unsolved_penalty);
+    double cost = work_of_step(sim) * (sim->solved ? 1.0 : unsolved_penalty);
     bool alone = c->trial || now->cost == 0.0;
     now->cost = alone ? cost : 0.5 * (now->cost + cost);
     if (c->trial || dual_has_failed(sim)) {

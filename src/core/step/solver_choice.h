@@ -51,8 +51,8 @@ void solver_choice_warn(struct pdyn_sim *sim);
 /* An attempt at a step begins: its work is counted from here. */
 void solver_choice_open(struct pdyn_sim *sim);
 
-/* Chooses the solver of the next step after a step that took so many linear iterations. */
-void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved);
+/* Chooses the solver of the next step after an accepted one that took so many linear iterations. */
+void solver_choice_step(struct pdyn_sim *sim, int iterations);
 
 /* Whether the solver on trial has taken more work than it may, or the solver in use has taken many
  * times its mean work. */

@@ -111,10 +111,6 @@ static void accept(struct pdyn_sim *sim, double h, double rise) {
  * particle. */
 static const double history_residual = 0.5;
 
-static bool is_far_off(const struct pdyn_sim *sim, const struct progress *progress) {
-    return progress->residual > fmax(sim->scene.settings.tolerance, history_residual);
-}
-
 /* Attempts a step; the result is in x_next, the state is unchanged. What take_back needs is set
  * before anything can fail. */
 static pdyn_status attempt(struct pdyn_sim *sim, const struct step_end *end,
@@ -132,8 +128,9 @@ static pdyn_status attempt(struct pdyn_sim *sim, const struct step_end *end,
     if (status == PDYN_OK) status = energy_budget_open(sim);
     if (status == PDYN_OK) status = minimise(sim, progress);
     if (status == PDYN_OK) status = restore_momentum(sim);
+    progress->far_off = progress->residual > fmax(sim->scene.settings.tolerance, history_residual);
     if (status == PDYN_OK)
-        status = velocities_measure_rise(sim, is_far_off(sim, progress), &progress->rise);
+        status = velocities_measure_rise(sim, progress->far_off, &progress->rise);
     if (status == PDYN_OK) status = measure_check_range(sim, end->h);
     return status == PDYN_OK ? energy_budget_check(sim, end->h) : status;
 }
@@ -217,12 +214,12 @@ static void finish_step(struct pdyn_sim *sim, const struct step_end *end,
                         const struct progress *progress) {
     measure_update_fluid(sim);
     sim->solved = progress->residual <= sim->scene.settings.tolerance;
-    sim->far_off = is_far_off(sim, progress);
+    sim->far_off = progress->far_off;
     crossings_step(sim, end->h);
     accept(sim, end->h, progress->rise);
     if (sim->objective.neighbours) neighbours_end_step(sim->objective.neighbours);
-    timestep_check(sim, end, progress->residual);
-    solver_choice_step(sim, progress->linear, sim->solved);
+    timestep_check(sim, end);
+    solver_choice_step(sim, progress->linear);
     timestep_advance(sim, end);
     live_particles_step(sim);
     sim->forces_known = true;

@@ -147,12 +147,12 @@ static void check_speed(struct pdyn_sim *sim, double h) {
                  w->worst, h);
 }
 
-void timestep_check(struct pdyn_sim *sim, const struct step_end *end, double residual) {
+void timestep_check(struct pdyn_sim *sim, const struct step_end *end) {
     const struct scene_settings *settings = &sim->scene.settings;
     double h = end->h;
-    bool free = settings->h_fixed > 0.0 || end->given, solved = residual <= settings->tolerance;
+    bool free = settings->h_fixed > 0.0 || end->given;
     if (settings->h_fixed == 0.0 && h <= settings->h_min) check_speed(sim, h);
-    double limit = free && !solved ? rearrangement_limit(sim) : INFINITY;
+    double limit = free && !sim->solved ? rearrangement_limit(sim) : INFINITY;
     if (h <= limit) return;
     struct warning *w = sim_warning(sim, WARNING_LONG_STEP, "", 1, h / limit);
     warnings_say(sim->context, w,

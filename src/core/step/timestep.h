@@ -24,8 +24,8 @@ struct step_end timestep_choose(const struct pdyn_sim *sim, double longest);
 /* A step of length h, s. */
 struct step_end timestep_given(const struct pdyn_sim *sim, double h);
 
-/* Counts a warning for a step that is too long for pressure or speed. */
-void timestep_check(struct pdyn_sim *sim, const struct step_end *end, double residual);
+/* Counts a warning for an accepted step that is too long for pressure or speed. */
+void timestep_check(struct pdyn_sim *sim, const struct step_end *end);
 
 /* Advances the time of the simulation. */
 void timestep_advance(struct pdyn_sim *sim, const struct step_end *end);

@@ -119,10 +119,9 @@ static const pdyn_body *find_pinned_flat(const struct pdyn_sim *sim) {
 }
 
 /* A solid that waits presses with a force that no stiffness carries. */
-static void warn_pressed(struct pdyn_sim *sim, double residual) {
+static void warn_pressed(struct pdyn_sim *sim) {
     const struct contact *contact = sim->objective.contact;
-    if (!contact || contact_is_lagging(contact) || residual <= sim->scene.settings.tolerance)
-        return;
+    if (!contact || contact_is_lagging(contact) || sim->solved) return;
     double least = least_distance(contact_current(contact));
     if (least >= pressed_flat) return;
     const pdyn_body *pinned = find_pinned_flat(sim);
@@ -207,7 +206,7 @@ void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
     warn_of_gaps(sim, info->density_error_max);
     crossings_warn(sim);
     warn_fast(sim, info->h);
-    warn_pressed(sim, info->step_residual);
+    warn_pressed(sim);
     warn_waiting(sim);
     energy_budget_step(sim, info);
     if (info->frame) warn_fallen(sim);
