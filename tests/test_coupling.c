@@ -55,9 +55,9 @@ static void test_forces(void **state) {
     struct batch *rows;
     assert_int_equal(batch_create_rows(fluid, &rows), PDYN_OK);
     memset(moved, 0, (size_t)n * sizeof *moved), memset(other, 0, (size_t)n * sizeof *other);
-    assert_int_equal(batch_local(rows, x, 0.0, moved), PDYN_OK);
+    assert_int_equal(batch_local(rows, x, moved), PDYN_OK);
     assert_true(fabs(rows->energy / fluid->energy - 1.0) < 1e-9);
-    for (int b = 1; b < objective->batches; b++) batch_local(objective->batch[b], x, 0.0, moved);
+    for (int b = 1; b < objective->batches; b++) batch_local(objective->batch[b], x, moved);
     assert_true(test_distance(moved, g, n) < 1e-7 * sqrt(objective_dot(objective, g, g)));
     batch_linearise(rows, 0.0), batch_linearise(objective->batch[0], 0.0);
     memset(moved, 0, (size_t)n * sizeof *moved), memset(other, 0, (size_t)n * sizeof *other);

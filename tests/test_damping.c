@@ -134,7 +134,7 @@ static void test_balance(void **state) {
         assert_int_equal(batch_begin(damper, &start, &step), PDYN_OK);
         for (int k = 0; k < 75; k++) y[k] = sim->x[k] + 0.05 * test_random(&seed);
         double gradient[76] = {0};
-        assert_int_equal(batch_local(damper, y, 0.0, gradient), PDYN_OK);
+        assert_int_equal(batch_local(damper, y, gradient), PDYN_OK);
         for (int i = 0; i < 25; i++) {
             double t[3];
             vec3_cross(t, y + 3 * i, gradient + 3 * i);
@@ -145,7 +145,7 @@ static void test_balance(void **state) {
         assert_true(vec3_length(sum) < 1e-12 * scale && vec3_length(torque) < 1e-12 * scale);
         for (int i = 0; i < 25; i++) vec3_multiply(y + 3 * i, turn, sim->x + 3 * i);
         memset(gradient, 0, sizeof gradient);
-        assert_int_equal(batch_local(damper, y, 0.0, gradient), PDYN_OK);
+        assert_int_equal(batch_local(damper, y, gradient), PDYN_OK);
         assert_true(test_distance(gradient, (double[75]){0}, 75) < 1e-10 * scale);
         pdyn_free(sim);
     }

@@ -109,7 +109,7 @@ static void test_friction(void **state) {
            sum[3] = {0}, size = 0.0;
     uint64_t seed = 3;
     for (int k = 0; k < n; k++) x[k] = sim->x[k] + 1e-3 * test_random(&seed);
-    assert_int_equal(batch_local(friction, x, 0.0, g), PDYN_OK);
+    assert_int_equal(batch_local(friction, x, g), PDYN_OK);
     for (int i = 0; i < n / 3; i++) {
         vec3_add(sum, 1.0, g + 3 * i);
         size += vec3_length(g + 3 * i);
@@ -117,12 +117,12 @@ static void test_friction(void **state) {
     assert_true(size > 0.1 && vec3_length(sum) < 1e-13 * size);
     double energy = friction->energy, change = 0.0; /* E is quadratic: the mean gradient is exact */
     for (int k = 0; k < n; k++) u[k] = 1e-3 * test_random(&seed), x[k] += u[k];
-    assert_int_equal(batch_local(friction, x, 0.0, other), PDYN_OK);
+    assert_int_equal(batch_local(friction, x, other), PDYN_OK);
     for (int k = 0; k < n; k++) change += 0.5 * u[k] * (g[k] + other[k]);
     assert_true(fabs(friction->energy - energy - change) < 1e-12 * energy);
     for (int k = 1; k < n; k += 3) x[k] += 1e-3 * test_random(&seed); /* normal to the sheet */
     energy = friction->energy;
-    assert_int_equal(batch_local(friction, x, 0.0, other), PDYN_OK);
+    assert_int_equal(batch_local(friction, x, other), PDYN_OK);
     assert_true(fabs(friction->energy / energy - 1.0) < 1e-9);
     free(x), free(g), free(other), free(u);
     pdyn_free(sim);

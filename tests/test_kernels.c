@@ -257,7 +257,7 @@ static void check_energy(const char *kernel) {
     assert_int_equal(objective_local(&sim->objective, x, &energy, sim->gradient), PDYN_OK);
     struct batch *rows, *fluid = sim->objective.batch[0];
     assert_int_equal(batch_create_rows(fluid, &rows), PDYN_OK);
-    batch_local(rows, x, 0.0, sim->gradient);
+    batch_local(rows, x, sim->gradient);
     double *density = sim->density;
     fluid->type->matrix_free->density(fluid->op, density);
     for (int i = 0; i < n; i++) {

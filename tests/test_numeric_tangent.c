@@ -55,7 +55,7 @@ static void product(pdyn_sim *sim, double eps, double *y) {
     uint64_t seed = 5;
     for (int k = 0; k < n; k++) x[k] = sim->x[k] + 0.02 * test_random(&seed);
     for (int k = 0; k < n; k++) u[k] = test_random(&seed);
-    assert_int_equal(batch_local(b, x, 0.0, gradient), PDYN_OK);
+    assert_int_equal(batch_local(b, x, gradient), PDYN_OK);
     assert_int_equal(batch_linearise(b, eps), PDYN_OK);
     batch_apply(b, u, y);
     free(x), free(u), free(gradient);

@@ -240,7 +240,7 @@ static void report_no_element(struct check *check) {
 
 void check_callbacks(struct check *check, struct trial *trial) {
     struct guarded a, b;
-    batch_local(trial->rows, trial->x, 0.0, trial->y);
+    batch_local(trial->rows, trial->x, trial->y);
     if (!trial->rows->view.elements) {
         if (!check->type->update) report_no_element(check);
         return;

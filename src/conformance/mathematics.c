@@ -36,7 +36,7 @@ void check_projection(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
     size_t bytes = point_bytes(b);
     if (check->type->matrix_free || check->type->energy) return;
-    batch_local(b, t->x, 0.0, t->y);
+    batch_local(b, t->x, t->y);
     double *once = NEW_ARRAY(t->context, 3 * (size_t)b->rows, double);
     if (!once) return;
     memcpy(once, b->view.p, bytes), memcpy(u_of(b), once, bytes);
@@ -87,7 +87,7 @@ void check_closest(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
     size_t n = 3 * (size_t)b->rows;
     if (check->type->matrix_free || check->type->energy) return;
-    batch_local(b, t->x, 0.0, t->y);
+    batch_local(b, t->x, t->y);
     double *u = NEW_ARRAY(t->context, n, double), *closest = NEW_ARRAY(t->context, n, double);
     if (u && closest) {
         memcpy(u, b->view.u, n * sizeof *u), memcpy(closest, b->view.p, n * sizeof *u);
@@ -106,7 +106,7 @@ void check_one_side(struct check *check, struct trial *t) {
     const pdyn_constraint_type *type = check->type;
     if (!(type->flags & PDYN_ONE_SIDED) || type->update || type->matrix_free || type->energy)
         return;
-    batch_local(b, t->x, 0.0, t->y);
+    batch_local(b, t->x, t->y);
     double pulled = trial_distance(u, b->view.p, 3 * b->rows);
     for (int k = 0; k < 3 * b->rows; k++) u[k] = b->view.p[k] + beyond * (b->view.p[k] - u[k]);
     check->type->project(b->params, &b->view, 0, b->view.elements);
@@ -125,7 +125,7 @@ static bool pulls(const struct batch *b, int e) {
 /* Counts the elements that pull at x. */
 void check_activity(struct check *check, struct trial *t) {
     const struct batch *b = t->rows;
-    batch_local(t->rows, t->x, 0.0, t->y);
+    batch_local(t->rows, t->x, t->y);
     if (b->linear) check->active += b->energy > 0.0; /* p = 0; u is not computed */
     for (int e = 0; e < b->view.elements && !b->linear; e++) check->active += pulls(b, e);
 }
@@ -134,7 +134,7 @@ void check_activity(struct check *check, struct trial *t) {
 void check_damping_rest(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
     if (!check->type->damping_rest) return;
-    batch_local(b, t->x, 0.0, t->y);
+    batch_local(b, t->x, t->y);
     check->type->damping_rest(b->params, &b->view, 0, b->view.elements);
     check->type->project(b->params, &b->view, 0, b->view.elements);
     double moved = trial_distance(b->view.u, b->view.p, 3 * b->rows);
@@ -198,7 +198,7 @@ void check_tangent(struct check *check, struct trial *t) {
     double J[MAX_NUMBERS * MAX_NUMBERS], D[MAX_NUMBERS * MAX_NUMBERS], worst[2] = {0.0};
     int elements = b->view.elements, compared[2] = {0}, wrong[2] = {0};
     if (!type_has_tangent(check->type)) return;
-    batch_local(b, t->x, 0.0, t->y);
+    batch_local(b, t->x, t->y);
     for (int k = 0; k < PROBES && k < elements; k++) {
         int e = (int)((long)k * elements / (elements < PROBES ? elements : PROBES));
         int n = 3 * (b->view.element_row[e + 1] - b->view.element_row[e]), acts = pulls(b, e);
@@ -228,11 +228,11 @@ void check_gradient(struct check *check, struct trial *t) {
     double slope = 0.0, h = 1e-6, tolerance = check->strain == CRUMPLED ? 0.3 : 0.02;
     for (int sign = -1; sign <= 1; sign += 2) {
         for (int k = 0; k < t->n; k++) t->w[k] = t->x[k] + sign * h * t->u[k];
-        batch_local(t->batch, t->w, 0.0, t->y);
+        batch_local(t->batch, t->w, t->y);
         slope += sign * t->batch->energy / (2.0 * h);
     }
     memset(t->y, 0, (size_t)t->n * sizeof *t->y);
-    batch_local(t->batch, t->x, 0.0, t->y);
+    batch_local(t->batch, t->x, t->y);
     double expected = trial_dot(t->y, t->u, t->n);
     double rounding = 1e-7 * trial_norm(t->y, t->n) + rounding_of(t->batch) / h;
     if (!(fabs(slope - expected) <= tolerance * fabs(expected) + rounding))
@@ -252,7 +252,7 @@ void check_work(struct check *check, struct trial *t) {
     for (int step = 0; step <= STEPS; step++) {
         for (int k = 0; k < t->n; k++) t->z[k] = t->sim->x[k] + step * (t->w[k] / STEPS);
         memset(t->y, 0, (size_t)t->n * sizeof *t->y);
-        if (batch_local(t->batch, t->z, 0.0, t->y) != PDYN_OK) return;
+        if (batch_local(t->batch, t->z, t->y) != PDYN_OK) return;
         double slope = trial_dot(t->y, t->w, t->n) / STEPS;
         work += step % STEPS ? slope : 0.5 * slope;
         if (!step) first = t->batch->energy;
@@ -299,7 +299,7 @@ void check_momentum(struct check *check, struct trial *t) {
     double sum[3] = {0};
     if (check->type->flags & PDYN_ANCHORED) return;
     memset(t->y, 0, (size_t)t->n * sizeof *t->y);
-    batch_local(t->batch, t->x, 0.0, t->y);
+    batch_local(t->batch, t->x, t->y);
     for (int k = 0; k < t->n; k++) sum[k % 3] += t->y[k];
     if (!(trial_norm(sum, 3) <= 1e-9 * sqrt(t->n) * trial_norm(t->y, t->n)))
         report_momentum(check, t->rows, trial_norm(sum, 3));

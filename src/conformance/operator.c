@@ -19,7 +19,7 @@ static void check_energy(struct check *check, struct trial *t, double *multiplie
     const pdyn_one_sided *s = &t->batch->one_sided.at;
     double energy = 0.0;
     clear(t);
-    batch_local(t->batch, t->x, 0.0, t->y);
+    batch_local(t->batch, t->x, t->y);
     for (int i = 0; i < s->count; i++) {
         double reached = fmax(0.0, s->value[i]);
         multiplier[i] = s->stiffness[i] * reached, energy += 0.5 * multiplier[i] * reached;
@@ -78,7 +78,7 @@ static void check_additions(struct check *check, struct trial *t, const double *
     const pdyn_operator *op = check->type->matrix_free;
     static const char text[] = "%s overwrites the vector that it has to add to";
     clear(t), set_ones(t->y, t->n);
-    batch_local(t->batch, t->x, 0.0, t->z), batch_local(t->batch, t->x, 0.0, t->y);
+    batch_local(t->batch, t->x, t->z), batch_local(t->batch, t->x, t->y);
     if (is_no_sum(t->y, t->z, t->n)) fault(check, text, "local");
     clear(t), set_ones(t->y, t->n);
     batch_force(t->batch, ones, t->z), batch_force(t->batch, ones, t->y);
@@ -117,7 +117,7 @@ void check_model(struct check *check, struct trial *t) {
         double unused;
         for (int k = 0; k < t->n; k++) t->w[k] = scale * t->u[k];
         clear(t);
-        batch_local(t->batch, t->x, 0.0, t->y);
+        batch_local(t->batch, t->x, t->y);
         if (batch_linearise(t->batch, 0.0) != PDYN_OK) return;
         clear(t);
         batch_apply(t->batch, t->w, t->z);

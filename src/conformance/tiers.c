@@ -16,7 +16,7 @@ static void clear(struct trial *t) {
 static void compare(struct check *check, struct trial *t, struct batch *a, struct batch *b,
                     const char *what) {
     clear(t);
-    batch_local(a, t->x, 0.0, t->y), batch_local(b, t->x, 0.0, t->z);
+    batch_local(a, t->x, t->y), batch_local(b, t->x, t->z);
     if (!(fabs(a->energy - b->energy) <= 1e-10 * fabs(b->energy)))
         fault(check, "%s have different energies, %.10g and %.10g", what, a->energy, b->energy);
     if (trial_differ(t->y, t->z, t->n, 1e-10)) fault(check, "%s have different gradients", what);

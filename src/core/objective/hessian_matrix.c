@@ -30,6 +30,7 @@ pdyn_status hessian_matrix_create(struct hessian_matrix *c, struct objective *ob
 /* Local steps of the replicas at the x of the last local step. */
 static pdyn_status update_replicas(struct hessian_matrix *c, bool lists_moved) {
     struct objective *objective = c->objective;
+    const struct batch_step step = objective_step(objective);
     if (!objective->dynamic) return PDYN_OK;
     if (lists_moved) free_replicas(c);
     for (int b = 0; b < objective->batches; b++) {
@@ -37,7 +38,8 @@ static pdyn_status update_replicas(struct hessian_matrix *c, bool lists_moved) {
         if (!from->op) continue;
         pdyn_status status = c->rows[b] ? PDYN_OK : batch_create_rows(from, &c->rows[b]);
         if (status != PDYN_OK) return status;
-        status = batch_local(c->rows[b], objective->x, objective->time, c->unused);
+        batch_set_step(c->rows[b], &step);
+        status = batch_local(c->rows[b], objective->x, c->unused);
         if (status == PDYN_OK) status = batch_linearise(c->rows[b], objective->eps);
         if (status != PDYN_OK) return status;
     }

@@ -129,7 +129,7 @@ pdyn_status objective_local(struct objective *o, const double *x, double *energy
     for (int b = 0; status == PDYN_OK && b < o->batches; b++) {
         struct batch *batch = o->batch[b];
         residual_open_load(o, batch, gradient);
-        status = batch_local(batch, batch->samples ? all : x, o->time, gradient);
+        status = batch_local(batch, batch->samples ? all : x, gradient);
         residual_add_load(o, batch, gradient);
         *energy += batch->energy;
     }
@@ -152,7 +152,7 @@ pdyn_status objective_limit(struct objective *o, const double *x, double *max_st
 }
 
 pdyn_status objective_begin(struct objective *o, const struct step_start *start) {
-    const struct batch_step step = {o->length, o->extrapolation, o->h, o->time};
+    const struct batch_step step = objective_step(o);
     pdyn_status status = PDYN_OK;
     bool weights_change = false; /* even where h does not */
     for (int b = 0; status == PDYN_OK && b < o->batches; b++) {

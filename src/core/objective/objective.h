@@ -84,6 +84,11 @@ static inline const pdyn_neighbours *objective_lists(const struct objective *o) 
     return o->neighbours ? neighbours_view(o->neighbours) : NULL;
 }
 
+/* The step, as batches get it. */
+static inline struct batch_step objective_step(const struct objective *o) {
+    return (struct batch_step){o->length, o->extrapolation, o->h, o->time};
+}
+
 /* Makes a batch, the last one of the objective, which has the capacity for it. */
 pdyn_status objective_add_batch(struct objective *objective, const struct batch_def *def);
 

@@ -33,11 +33,15 @@ static bool updates_always(const struct batch *b) {
     return b->type->update && b->type->flags & PDYN_EVERY_ITERATION;
 }
 
+void batch_set_step(struct batch *b, const struct batch_step *step) {
+    b->view.h = step->h, b->view.time = step->time;
+    b->view.length = step->length, b->view.extrapolation = step->extrapolation;
+}
+
 pdyn_status batch_begin(struct batch *b, const struct step_start *start,
                         const struct batch_step *step) {
     pdyn_status status = PDYN_OK;
-    b->view.h = step->h, b->view.time = step->time;
-    b->view.length = step->length, b->view.extrapolation = step->extrapolation;
+    batch_set_step(b, step);
     if (b->op && b->type->matrix_free->begin) b->type->matrix_free->begin(b->op, step->length);
     if (b->type->update && !updates_always(b)) status = batch_update(b, start->x, start->v);
     if (status != PDYN_OK) return status;
@@ -47,8 +51,7 @@ pdyn_status batch_begin(struct batch *b, const struct step_start *start,
     return rows_check_weights(b);
 }
 
-pdyn_status batch_local(struct batch *b, const double *x, double time, double *gradient) {
-    b->view.time = time;
+pdyn_status batch_local(struct batch *b, const double *x, double *gradient) {
     if (b->op) {
         b->energy = b->type->matrix_free->local(b->op, x, begin_output(b, gradient));
         end_output(b, gradient);

@@ -128,6 +128,9 @@ struct batch_step {               /* of the integrator, see pdyn_batch */
     double time;                  /* s, at its end */
 };
 
+/* Tells the type's callbacks the time and the lengths of the step; batch_begin does so, too. */
+void batch_set_step(struct batch *batch, const struct batch_step *step);
+
 /* Begins a step: at the state x, v, updates elements that come and go from step to step; then, at
  * the base, calls the type's `begin`, or gives a damper its rest shape and weights. */
 pdyn_status batch_begin(struct batch *batch, const struct step_start *start,
@@ -140,7 +143,7 @@ pdyn_status batch_neighbours(struct batch *batch, const pdyn_neighbours *neighbo
 
 /* Local step at x (particles x 3; with samples for an operator that has them): projects, sets
  * batch->energy, J, and adds to the gradient, N. */
-pdyn_status batch_local(struct batch *batch, const double *x, double time, double *gradient);
+pdyn_status batch_local(struct batch *batch, const double *x, double *gradient);
 
 /* Fixes the tangent at the x of the last local step, damped with eps in [0, 1]. */
 pdyn_status batch_linearise(struct batch *batch, double eps);
