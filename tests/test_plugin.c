@@ -120,6 +120,7 @@ static void test_tables(void **state) {
     t = good, t.flags = PDYN_ON_PARTICLES | PDYN_ON_SURFACE, refuse_type(t, "no body is both");
     t = good, t.matrix_free = &(pdyn_operator){0}, refuse_type(t, "needs PDYN_ON_PARTICLES");
     t.flags = PDYN_ON_PARTICLES, refuse_type(t, "lacks a callback");
+    t.begin = fill, refuse_type(t, "matrix_free excludes begin and damping");
     t = good, t.flags = PDYN_NEIGHBOURS, refuse_type(t, "needs PDYN_ON_PARTICLES");
     t = good, t.params_size = 4, refuse_type(t, "outside of params_size");
     t = good, t.end = fill, refuse_type(t, "need each other");

@@ -487,7 +487,7 @@ typedef struct pdyn_constraint_type {
      * data of two steps. NULL: no damping; both or none. */
     double (*damping)(const void *params);
     void (*damping_rest)(const void *params, const pdyn_batch *batch, int first, int last);
-    /* NULL: core derives everything from the rows above. */
+    /* NULL: core derives everything from the rows above. Excludes begin and damping. */
     const pdyn_operator *matrix_free;
     /* As pdyn_operator.boundary_force, of rows whose p follows points of solids: a force of shear,
      * whose moment is that on the face of a box, before its point; of a moving box with
