@@ -1,9 +1,9 @@
 #include "energy_budget.h"
 
 #include "base/param_kind.h"
+#include "inlets.h"
 #include "live_particles.h"
 #include "measure.h"
-#include "scene/inlet_motion.h"
 #include "schedule.h"
 #include "sim.h"
 
@@ -65,11 +65,8 @@ static bool has_sources(const struct pdyn_sim *sim) {
 
 /* Kinetic energy that inlets and moving solids can give. */
 static double drive(const struct pdyn_sim *sim) {
-    double speed = jet_speed * kinematic_top_speed(sim);
-    for (int b = 0; b < sim->bodies; b++)
-        for (int k = 0; k < sim->scene.body[b].inlets; k++)
-            speed = fmax(speed, inlet_top_speed(&sim->scene.body[b].inlet[k], 0.0,
-                                                sim->scene.settings.duration));
+    double speed = fmax(jet_speed * kinematic_top_speed(sim),
+                        inlets_top_speed(sim, 0.0, sim->scene.settings.duration));
     return 0.5 * sim->energy.mass * speed * speed;
 }
 

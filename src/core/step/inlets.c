@@ -201,10 +201,10 @@ static void enter_due_layers(struct pdyn_sim *sim) {
     }
 }
 
-double inlets_top_speed(const struct pdyn_sim *sim, double h) {
+double inlets_top_speed(const struct pdyn_sim *sim, double from, double to) {
     double speed = 0.0;
     for (int k = 0; sim->live && k < sim->live->inlets; k++)
-        speed = fmax(speed, inlet_top_speed(sim->live->inlet[k].from, sim->time, sim->time + h));
+        speed = fmax(speed, inlet_top_speed(sim->live->inlet[k].from, from, to));
     return speed;
 }
 

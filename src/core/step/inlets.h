@@ -18,8 +18,8 @@ void inlets_predict(struct pdyn_sim *sim);
  * layers that are due. Returns whether the set of pushed particles has changed. */
 bool inlets_step(struct pdyn_sim *sim);
 
-/* Upper bound of the speed of pushed particles in a step of length h, s: m/s. */
-double inlets_top_speed(const struct pdyn_sim *sim, double h);
+/* Upper bound of the speed of pushed particles between two times, s: m/s. */
+double inlets_top_speed(const struct pdyn_sim *sim, double from, double to);
 
 /* Saves or reads the state of the inlets. */
 void inlets_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);

@@ -94,8 +94,9 @@ static double rearrangement_limit(const struct pdyn_sim *sim) {
 static double adaptive(const struct pdyn_sim *sim) {
     const struct scene_settings *settings = &sim->scene.settings;
     double h = sim->last_h > 0.0 ? fmin(settings->h_max, 1.1 * sim->last_h) : settings->h_max;
-    double others =
-        fmax(kinematic_speed(&sim->kinematic, sim->time, sim->time + h), inlets_top_speed(sim, h));
+    double end = sim->time + h;
+    double others = fmax(kinematic_speed(&sim->kinematic, sim->time, end),
+                         inlets_top_speed(sim, sim->time, end));
     double radii = max_radii(sim, h, max_acceleration(sim), others);
     if (radii > settings->cfl) h *= settings->cfl / radii;
     h = solid_approach_limit(sim, fmin(h, rearrangement_limit(sim)));

@@ -78,8 +78,7 @@ static void check_inlet(struct pdyn_sim *sim, const pdyn_body *body, int number)
 
 static pdyn_status check_surfaces(struct pdyn_sim *sim) {
     pdyn_status status = PDYN_OK;
-    int inlets = 0;
-    for (int b = 0; b < sim->bodies; b++) inlets += sim->scene.body[b].inlets;
+    bool inlets = sim->live && sim->live->inlets;
     for (int b = 0; b < sim->bodies && inlets && status == PDYN_OK; b++)
         if (sim->body[b].triangles && sim->body[b].permeability == 0.0)
             status = check_ways(sim, &sim->scene.body[b]);
