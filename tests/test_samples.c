@@ -112,8 +112,7 @@ static void check_gather(pdyn_sim *sim, int many) {
     struct surface_samples *s = sim->objective.samples;
     int n = 3 * sim->objective.particles, all = n + 3 * s->count;
     double *x = test_vector(n), *y = test_vector(n), *up = test_vector(all), *z = test_vector(all);
-    double *D = test_vector(2 * all), *blocks = test_vector(2 * n), left = 0.0, right = 0.0,
-           held = 0.0;
+    double *D = s->blocks, *blocks = test_vector(2 * n), left = 0.0, right = 0.0, held = 0.0;
     uint64_t seed = 5;
     for (int k = 0; k < n; k++) x[k] = test_random(&seed);
     reach_every(s, many);
@@ -122,20 +121,22 @@ static void check_gather(pdyn_sim *sim, int many) {
         for (int a = 0; a < 3; a++) z[n + 3 * s->active[k] + a] = test_random(&seed);
     samples_interpolate(s, x, up), samples_interpolate_active(s, x);
     for (int k = 0; k < all; k++) assert_true(z[k] == 0.0 || s->input[k] == up[k]);
-    samples_scatter(s, z, y);
+    memcpy(s->output, z, (size_t)all * sizeof *z);
+    samples_scatter(s, y);
     for (int k = 0; k < n; k++) left += y[k] * x[k];
     for (int k = 0; k < all; k++) right += z[k] * up[k];
     assert_true(fabs(left - right) < 1e-12 * fabs(left));
+    memset(D, 0, 2 * (size_t)all * sizeof *D);
     for (int k = 0; k < all / 3; k++) D[6 * k] = D[6 * k + 3] = D[6 * k + 5] = 1.0 + z[3 * k];
-    samples_scatter_blocks(s, D, blocks);
+    samples_scatter_blocks(s, blocks);
     for (int k = 0; k < n / 3; k++) held += blocks[6 * k] * vec3_dot(x + 3 * k, x + 3 * k);
     right = 0.0;
     for (int k = 0; k < all / 3; k++)
         if (k < n / 3 || D[6 * k] != 1.0) right += D[6 * k] * vec3_dot(up + 3 * k, up + 3 * k);
     assert_true(held >= right);
-    samples_scatter(s, z, z);
-    for (int k = 0; k < n; k++) assert_true(z[k] == y[k]);
-    free(x), free(y), free(up), free(z), free(D), free(blocks);
+    samples_scatter(s, s->output);
+    for (int k = 0; k < n; k++) assert_true(s->output[k] == y[k]);
+    free(x), free(y), free(up), free(z), free(blocks);
 }
 
 static void test_gather(void **state) {

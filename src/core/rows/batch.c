@@ -23,7 +23,7 @@ static double *begin_output(const struct batch *b, double *y) {
 }
 
 static void end_output(const struct batch *b, double *y) {
-    if (b->samples) samples_scatter(b->samples, b->samples->output, y);
+    if (b->samples) samples_scatter(b->samples, y);
 }
 
 /* ---- a step ---------------------------------------------------------------------------------- */
@@ -141,7 +141,7 @@ static void operator_diagonal(struct batch *b, one_sided_diagonal_fn *add, doubl
     }
     samples_clear_blocks(b->samples);
     add(&b->one_sided, b->eps, b->samples->blocks);
-    samples_scatter_blocks(b->samples, b->samples->blocks, blocks);
+    samples_scatter_blocks(b->samples, blocks);
 }
 
 void batch_diagonal(struct batch *b, double *blocks) {

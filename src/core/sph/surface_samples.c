@@ -21,10 +21,12 @@ struct call {
     const int *list; /* the samples that are interpolated; NULL: all */
 };
 
-static void parallel_for(const struct surface_samples *s, int count, int grain, pdyn_range_fn *fn,
-                         const double *in, double *out, int numbers) {
-    struct call call = {s, in, out, numbers, NULL};
-    pool_for(s->context->pool, count, grain, fn, &call);
+static void for_particles(pdyn_range_fn *fn, struct call call) {
+    pool_for(call.s->context->pool, call.s->particles, PARTICLES, fn, &call);
+}
+
+static void for_samples(int count, pdyn_range_fn *fn, struct call call) {
+    pool_for(call.s->context->pool, count, SAMPLES, fn, &call);
 }
 
 static void copy_particles(void *arg, int first, int last, int block) {
@@ -49,9 +51,9 @@ WIDE static void interpolate_samples(void *arg, int first, int last, int block) 
 /* out = (x, S x) for `count` samples of a list; x may be out itself. */
 static void interpolate(const struct surface_samples *s, const int *list, int count,
                         const double *x, double *out) {
-    struct call call = {s, x, out, 3, list};
-    if (x != out) pool_for(s->context->pool, s->particles, PARTICLES, copy_particles, &call);
-    pool_for(s->context->pool, count, SAMPLES, interpolate_samples, &call);
+    const struct call call = {.s = s, .in = x, .out = out, .list = list};
+    if (x != out) for_particles(copy_particles, call);
+    for_samples(count, interpolate_samples, call);
 }
 
 void samples_interpolate(const struct surface_samples *s, const double *x, double *out) {
@@ -83,13 +85,15 @@ static void clear_active(void *arg, int first, int last, int block) {
 }
 
 void samples_clear(const struct surface_samples *s, bool particles) {
-    if (particles) parallel_for(s, s->particles, PARTICLES, clear_particles, NULL, s->output, 3);
-    parallel_for(s, s->active_count, SAMPLES, clear_active, NULL, s->output, 3);
+    const struct call call = {.s = s, .out = s->output, .numbers = 3};
+    if (particles) for_particles(clear_particles, call);
+    for_samples(s->active_count, clear_active, call);
 }
 
 void samples_clear_blocks(const struct surface_samples *s) {
-    parallel_for(s, s->particles, PARTICLES, clear_particles, NULL, s->blocks, 6);
-    parallel_for(s, s->active_count, SAMPLES, clear_active, NULL, s->blocks, 6);
+    const struct call call = {.s = s, .out = s->blocks, .numbers = 6};
+    for_particles(clear_particles, call);
+    for_samples(s->active_count, clear_active, call);
 }
 
 static void add_particles(void *arg, int first, int last, int block) {
@@ -117,20 +121,16 @@ WIDE static void add_samples(void *arg, int first, int last, int block) {
         else add_samples_of(c, i, 6);
 }
 
-static void scatter(const struct surface_samples *s, const double *extended, double *out,
-                    int numbers) {
-    if (out != extended)
-        parallel_for(s, s->particles, PARTICLES, add_particles, extended, out, numbers);
-    parallel_for(s, s->corner_count, SAMPLES, add_samples, extended, out, numbers);
+void samples_scatter(const struct surface_samples *s, double *y) {
+    const struct call call = {.s = s, .in = s->output, .out = y, .numbers = 3};
+    if (y != s->output) for_particles(add_particles, call);
+    for_samples(s->corner_count, add_samples, call);
 }
 
-void samples_scatter(const struct surface_samples *s, const double *extended, double *y) {
-    scatter(s, extended, y, 3);
-}
-
-void samples_scatter_blocks(const struct surface_samples *s, const double *extended,
-                            double *blocks) {
-    scatter(s, extended, blocks, 6);
+void samples_scatter_blocks(const struct surface_samples *s, double *blocks) {
+    const struct call call = {.s = s, .in = s->blocks, .out = blocks, .numbers = 6};
+    for_particles(add_particles, call);
+    for_samples(s->corner_count, add_samples, call);
 }
 
 void samples_limit_motion(const struct surface_samples *s, double *max_step) {
@@ -193,7 +193,7 @@ static void compute_volumes(void *arg, int first, int last, int block) {
 }
 
 void samples_update_volumes(struct surface_samples *s, const double *x) {
-    parallel_for(s, s->near_count, SAMPLES, compute_volumes, x, s->volume, 1);
+    for_samples(s->near_count, compute_volumes, (struct call){.s = s, .in = x, .out = s->volume});
 }
 
 /* ---- creation -------------------------------------------------------------------------------- */

@@ -77,16 +77,16 @@ void samples_interpolate_active(const struct surface_samples *samples, const dou
 /* Sets the output of samples to 0; particles: that of particles, too. */
 void samples_clear(const struct surface_samples *samples, bool particles);
 
-/* y += f + S' f_s, with extended = (f, f_s). If y == extended, y already contains f. */
-void samples_scatter(const struct surface_samples *samples, const double *extended, double *y);
+/* y += f + S' f_s, with samples->output = (f, f_s). If y is samples->output, it contains f already.
+ */
+void samples_scatter(const struct surface_samples *samples, double *y);
 
 /* Sets the blocks of particles and samples to 0. */
 void samples_clear_blocks(const struct surface_samples *samples);
 
-/* Adds a block diagonal, packed, 6 numbers per particle. The blocks of a sample are lumped to its
- * corners by weight, which is an upper bound of S' D S. */
-void samples_scatter_blocks(const struct surface_samples *samples, const double *extended,
-                            double *blocks);
+/* Adds samples->blocks to a block diagonal, packed, 6 numbers per particle. The blocks of a sample
+ * are lumped to its corners by weight, which is an upper bound of S' D S. */
+void samples_scatter_blocks(const struct surface_samples *samples, double *blocks);
 
 /* Limits the displacement of a particle to the limits of the samples on its triangles. max_step:
  * particles, then samples, m. */
