@@ -145,14 +145,13 @@ static bool resize_arrays(struct wet_sides *d, enum array_action action) {
 }
 
 pdyn_status wet_sides_create(pdyn_context *context, const struct scene *scene,
-                             const pdyn_body *body, int particles,
-                             const struct surface_samples *samples, const pdyn_neighbours *lists,
-                             struct wet_sides **out) {
+                             const pdyn_body *body, const struct surface_samples *samples,
+                             const pdyn_neighbours *lists, struct wet_sides **out) {
     struct wet_sides *d = *out = NEW_ARRAY(context, 1, struct wet_sides);
     if (!d) return PDYN_NO_MEMORY;
     d->context = context, d->samples = samples, d->lists = lists;
-    d->all = (pdyn_body){.name = "surfaces in fluid", .count = particles};
-    d->view.particles = particles;
+    d->all = (pdyn_body){.name = "surfaces in fluid", .count = samples->particles};
+    d->view.particles = samples->particles;
     if (!resize_arrays(d, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     for (int b = 0; b < scene->bodies; b++)
         if (scene->body[b].fluid_friction > 0.0 || body[b].permeability > 0.0)

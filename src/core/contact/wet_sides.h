@@ -29,9 +29,8 @@ struct wet_sides {
 
 /* After a failure *out is to be freed, too. */
 pdyn_status wet_sides_create(pdyn_context *context, const struct scene *scene,
-                             const pdyn_body *body, int particles,
-                             const struct surface_samples *samples, const pdyn_neighbours *lists,
-                             struct wet_sides **out);
+                             const pdyn_body *body, const struct surface_samples *samples,
+                             const pdyn_neighbours *lists, struct wet_sides **out);
 void wet_sides_free(struct wet_sides *wet_sides);
 
 /* A step begins at x, with the samples; the lists are complete there. */

@@ -64,9 +64,9 @@ static pdyn_status add_slip_and_seepage(struct pdyn_sim *sim) {
         seepage |= sim->body[b].permeability > 0.0;
     }
     if (!objective->samples || !(slip || seepage)) return PDYN_OK;
-    pdyn_status status = wet_sides_create(
-        sim->context, &sim->scene, sim->body, objective->particles, objective->samples,
-        neighbours_view(objective->neighbours), &objective->wet_sides);
+    pdyn_status status =
+        wet_sides_create(sim->context, &sim->scene, sim->body, objective->samples,
+                         neighbours_view(objective->neighbours), &objective->wet_sides);
     const pdyn_body *surfaces = status == PDYN_OK ? &objective->wet_sides->all : NULL;
     if (status == PDYN_OK && slip)
         status = add_own(objective, &pdyn_constraint_slip, surfaces, NULL);
