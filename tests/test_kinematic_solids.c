@@ -65,7 +65,7 @@ static void test_layer(void **state) {
         const struct kinematic_solids *moving = &sim->kinematic;
         assert_true(moving->points > 0);
         assert_int_equal(moving->layer.count, with ? moving->points : 0);
-        assert_int_equal(moving->placed_layer.count, moving->layer.count);
+        assert_int_equal(moving->rest_layer.count, moving->layer.count);
         assert_true(!neighbours_view(sim->objective.neighbours)->layer_x == !with);
         pdyn_free(sim);
         pdyn_scene_free(scene);

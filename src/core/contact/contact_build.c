@@ -4,8 +4,6 @@
 #include "bearings.h"
 #include "contact_parts.h"
 
-#include "projdyn/vec3.h"
-
 #include <string.h>
 
 /* ---- sizes ----------------------------------------------------------------------------------- */
@@ -72,8 +70,7 @@ static void add_bodies(struct contact *c, const struct contact_def *def) {
     }
 }
 
-/* Points that no triangle has belong to no group. Points of solids that move are stored relative to
- * the pivot. */
+/* Points that no triangle has belong to no group. */
 static void add_solids(struct contact *c, const struct scene *scene) {
     int points = c->free, faces = c->free_faces;
     c->edges = c->free_edges;
@@ -84,11 +81,9 @@ static void add_solids(struct contact *c, const struct scene *scene) {
         c->thickness[c->bodies + s] = c->settings->thickness;
         c->solid[s] = (struct contact_solid){solid, points, mesh->vertices};
         c->moving |= solid->motion.keys > 0;
-        for (int i = 0; i < mesh->vertices; i++) {
-            c->group[points + i] = -1;
-            memcpy(c->rest + 3 * (points + i), mesh->vertex + 3 * i, 3 * sizeof *c->rest);
-            if (solid->motion.keys) vec3_add(c->rest + 3 * (points + i), -1.0, solid->motion.pivot);
-        }
+        for (int i = 0; i < mesh->vertices; i++) c->group[points + i] = -1;
+        memcpy(c->rest + 3 * (size_t)points, mesh->vertex,
+               3 * (size_t)mesh->vertices * sizeof *c->rest);
         for (int k = 0; k < 3 * mesh->triangles; k++) {
             c->face[3 * faces + k] = points + mesh->triangle[k];
             c->group[points + mesh->triangle[k]] = c->bodies + s;

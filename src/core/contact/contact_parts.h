@@ -123,13 +123,13 @@ struct contact {
     /* Points: vertices of surfaces, then particles of fluids (both are free), then vertices of
      * solids. Groups: bodies, then solids. */
     int points, free, vertices;
-    const bool *live;  /* particles of the system that exist; NULL: all */
-    double *thickness; /* groups, m */
-    const char **name; /* groups */
-    int *group;        /* points; -1 for a point of a solid that no triangle has */
-    int *column;       /* free: particle of the system */
-    double *rest;      /* points x 3, m: rest shapes; relative to the pivot for solids that move */
-    double *at;        /* points x 3, m: positions at the last local step */
+    const bool *live;      /* particles of the system that exist; NULL: all */
+    double *thickness;     /* groups, m */
+    const char **name;     /* groups */
+    int *group;            /* points; -1 for a point of a solid that no triangle has */
+    int *column;           /* free: particle of the system */
+    double *rest;          /* points x 3, m: rest shapes */
+    double *at;            /* points x 3, m: positions at the last local step */
     int faces, free_faces; /* those of surfaces are the first */
     int *face;             /* faces x 3: points */
     int edges, free_edges, edges_room;

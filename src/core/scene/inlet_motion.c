@@ -65,9 +65,7 @@ double inlet_layers(const struct scene_inlet *inlet, double time, double spacing
 
 /* Moves a point from its place in the inlet at rest to that at a time. */
 static void move(const struct scene_inlet *inlet, double time, double x[3]) {
-    if (!inlet->motion.keys) return;
-    vec3_add(x, -1.0, inlet->motion.pivot);
-    pose_place(&inlet->motion, x, 1, time, x);
+    if (inlet->motion.keys) pose_place(&inlet->motion, x, 1, time, x);
 }
 
 void inlet_place(const struct scene_inlet *inlet, int k, double distance, double time,
@@ -107,6 +105,6 @@ void inlet_velocity(const struct scene_inlet *inlet, double time, const double x
 double inlet_top_speed(const struct scene_inlet *inlet, double from, double to) {
     double top = top_flow(inlet, from, to);
     if (!inlet->motion.keys) return top;
-    struct box box = pose_box(&inlet->motion, inlet->layer.x, inlet->layer.count);
+    struct box box = box_around(inlet->layer.x, inlet->layer.count);
     return top + pose_top_speed(&inlet->motion, &box, from, to);
 }

@@ -164,7 +164,7 @@ static pdyn_status resolve_solid(const struct json_at *at, struct scene_body *bo
     if (!solid->motion.keys) return resolve_obstacle(at, body, &o);
     o.mesh.vertex = NEW_ARRAY(context, size, double);
     if (!o.mesh.vertex) return PDYN_NO_MEMORY;
-    pose_place_mesh(solid, 0.0, o.mesh.vertex);
+    pose_place(&solid->motion, solid->mesh.vertex, solid->mesh.vertices, 0.0, o.mesh.vertex);
     pdyn_status status = resolve_obstacle(at, body, &o);
     FREE_ARRAY(context, o.mesh.vertex, size);
     return status;

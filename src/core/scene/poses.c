@@ -47,23 +47,16 @@ void pose_rotation(const struct pose *pose, double R[9]) {
     for (int k = 0; k < 9; k++) R[k] = axes[3 * (k % 3) + k / 3];
 }
 
-void pose_place(const struct scene_motion *motion, const double *placed, int count, double time,
+void pose_place(const struct scene_motion *motion, const double *rest, int count, double time,
                 double *x) {
     struct pose pose = pose_at(motion, time);
-    double axes[9];
+    double axes[9], arm[3];
     rotated_axes(&pose.at, axes);
-    for (int i = 0; i < count; i++, x += 3, placed += 3) {
-        const double from_pivot[3] = {placed[0], placed[1], placed[2]};
+    for (int i = 0; i < count; i++, x += 3, rest += 3) {
+        vec3_subtract(arm, rest, motion->pivot);
         memcpy(x, pose.at.translate, sizeof pose.at.translate);
-        for (int a = 0; a < 3; a++) vec3_add(x, from_pivot[a], axes + 3 * a);
+        for (int a = 0; a < 3; a++) vec3_add(x, arm[a], axes + 3 * a);
     }
-}
-
-void pose_place_mesh(const struct scene_solid *solid, double time, double *x) {
-    const struct mesh *mesh = &solid->mesh;
-    for (int k = 0; k < 3 * mesh->vertices; k++)
-        x[k] = mesh->vertex[k] - solid->motion.pivot[k % 3];
-    pose_place(&solid->motion, x, mesh->vertices, time, x);
 }
 
 void pose_to_rest(const struct scene_motion *motion, double time, const double x[3],
@@ -97,23 +90,19 @@ void pose_velocity(const struct pose *pose, const double arm[3], double v[3]) {
     for (int a = 0; a < 3; a++) v[a] = pose->velocity[a] + turning[a];
 }
 
-/* Largest speed of the corners of a box around the pivot; no point is faster. */
-static double max_corner_speed(const struct box *box, const struct pose *pose) {
+/* Largest speed of the corners of a box; no point in it is faster. */
+static double max_corner_speed(const struct scene_motion *motion, const struct box *box,
+                               const struct pose *pose) {
     double speed = 0.0;
     for (int corner = 0; corner < 8; corner++) {
         double arm[3], v[3];
-        for (int a = 0; a < 3; a++) arm[a] = corner >> a & 1 ? box->max[a] : box->min[a];
+        for (int a = 0; a < 3; a++)
+            arm[a] = (corner >> a & 1 ? box->max[a] : box->min[a]) - motion->pivot[a];
         transform_directions(&pose->at, arm, 1);
         pose_velocity(pose, arm, v);
         speed = fmax(speed, vec3_length(v));
     }
     return speed;
-}
-
-struct box pose_box(const struct scene_motion *motion, const double *x, int count) {
-    struct box box = box_around(x, count);
-    vec3_add(box.min, -1.0, motion->pivot), vec3_add(box.max, -1.0, motion->pivot);
-    return box;
 }
 
 /* Evaluated at both ends of every interval between keys. */
@@ -125,13 +114,14 @@ double pose_top_speed(const struct scene_motion *motion, const struct box *box, 
         double end = k + 1 < motion->keys ? fmin(to, motion->key[k + 1].time) : to;
         if (begin >= to) break;
         struct pose first = pose_between(motion, k, begin), last = pose_between(motion, k, end);
-        speed = fmax(speed, fmax(max_corner_speed(box, &first), max_corner_speed(box, &last)));
+        speed = fmax(speed, max_corner_speed(motion, box, &first));
+        speed = fmax(speed, max_corner_speed(motion, box, &last));
     }
     return speed;
 }
 
 double pose_top_speed_of_mesh(const struct scene_solid *solid, double end) {
     if (!solid->motion.keys) return 0.0;
-    const struct box box = pose_box(&solid->motion, solid->mesh.vertex, solid->mesh.vertices);
+    const struct box box = box_around(solid->mesh.vertex, solid->mesh.vertices);
     return pose_top_speed(&solid->motion, &box, 0.0, end);
 }

@@ -7,7 +7,7 @@
 #include "transform.h"
 
 struct pose {
-    struct transform at;            /* of coordinates relative to the pivot; scale 1 */
+    struct transform at;            /* of coordinates at rest relative to the pivot; scale 1 */
     double velocity[3], turning[3]; /* m/s; rad/s: rates of the angles about x, y and z */
 };
 
@@ -17,26 +17,20 @@ struct pose pose_at(const struct scene_motion *motion, double time);
 /* The rotation of a pose: a matrix, row by row. */
 void pose_rotation(const struct pose *pose, double R[9]);
 
-/* Computes the positions x, count x 3, m, at `time`, s, of points given relative to the pivot in
- * the initial placement. x may be `placed`. */
-void pose_place(const struct scene_motion *motion, const double *placed, int count, double time,
+/* Computes the positions x, count x 3, m, at `time`, s, of points that lie at `rest`, m, without
+ * the motion. x may be `rest`. */
+void pose_place(const struct scene_motion *motion, const double *rest, int count, double time,
                 double *x);
 
-/* Computes the positions x, 3 per vertex, m, of a solid's mesh at `time`, s. */
-void pose_place_mesh(const struct scene_solid *solid, double time, double *x);
-
-/* Computes where the point x of the world, m, at `time`, s, lies in the initial placement. */
+/* Computes where the point that is at x, m, at `time`, s, lies at rest. */
 void pose_to_rest(const struct scene_motion *motion, double time, const double x[3],
                   double rest[3]);
 
 /* Velocity v, m/s, of a point; arm: from the pivot to it, m. */
 void pose_velocity(const struct pose *pose, const double arm[3], double v[3]);
 
-/* Bounding box, m, of points x, count x 3, at rest, relative to the pivot. */
-struct box pose_box(const struct scene_motion *motion, const double *x, int count);
-
 /* Upper bound of the speed of a point between two times, s: m/s. It is the speed of the corners of
- * a bounding box, m, relative to the pivot at rest, and slightly too large. */
+ * a bounding box at rest, m, and slightly too large. */
 double pose_top_speed(const struct scene_motion *motion, const struct box *box, double from,
                       double to);
 

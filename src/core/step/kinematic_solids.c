@@ -31,19 +31,18 @@ static bool needs_layer(const struct scene *scene) {
     return false;
 }
 
-/* Adds the point i of a solid, and, with `layer`, its place in the first layer: a point of a box
+/* Adds the boundary point i, and, with `layer`, its place in the first layer: a point of a box
  * lies behind the face, and fluid rests half a spacing before it. */
-static pdyn_status add_point(struct pdyn_sim *sim, const struct scene_solid *solid, int i,
-                             bool layer) {
+static pdyn_status add_point(struct pdyn_sim *sim, int i, bool layer) {
     struct kinematic_solids *moving = &sim->kinematic;
     const struct boundary_point *point = &sim->boundary.point[i];
     double outside = boundary_outside(sim->scene.settings.boundary, sim->scene.settings.kernel);
     double at[3];
-    vec3_subtract(at, sim->boundary.at.x + 3 * (size_t)i, solid->motion.pivot);
-    pdyn_status status = point_list_add(sim->context, &moving->placed, at);
+    memcpy(at, sim->boundary.at.x + 3 * (size_t)i, sizeof at);
+    pdyn_status status = point_list_add(sim->context, &moving->rest, at);
     if (!layer) return status;
     if (point->of_box) vec3_add(at, (outside + 0.5) * sim_spacing(sim), point->normal);
-    if (status == PDYN_OK) status = point_list_add(sim->context, &moving->placed_layer, at);
+    if (status == PDYN_OK) status = point_list_add(sim->context, &moving->rest_layer, at);
     return status == PDYN_OK ? point_list_add(sim->context, &moving->layer, at) : status;
 }
 
@@ -53,18 +52,18 @@ pdyn_status kinematic_add(struct pdyn_sim *sim, const struct scene_solid *solid,
     pdyn_status status = allocate_solids(sim);
     bool layer = needs_layer(&sim->scene);
     for (int i = first; i < sim->boundary.at.count && status == PDYN_OK; i++)
-        status = add_point(sim, solid, i, layer);
+        status = add_point(sim, i, layer);
     if (status != PDYN_OK) return status;
-    if (m.count) m.box = box_around(moving->placed.x + 3 * (size_t)moving->points, m.count);
+    if (m.count) m.box = box_around(moving->rest.x + 3 * (size_t)moving->points, m.count);
     moving->solid[moving->solids++] = m;
-    moving->points = moving->placed.count;
+    moving->points = moving->rest.count;
     return PDYN_OK;
 }
 
 void kinematic_free(pdyn_context *context, struct kinematic_solids *moving) {
     FREE_ARRAY(context, moving->solid, moving->capacity);
-    point_list_free(context, &moving->placed);
-    point_list_free(context, &moving->placed_layer);
+    point_list_free(context, &moving->rest);
+    point_list_free(context, &moving->rest_layer);
     point_list_free(context, &moving->layer);
 }
 
@@ -81,10 +80,10 @@ void kinematic_move(struct pdyn_sim *sim, double time) {
     for (int k = 0; k < moving->solids; k++) {
         const struct moving_solid *m = &moving->solid[k];
         size_t at = 3 * (size_t)(m->first - resting);
-        pose_place(&m->solid->motion, moving->placed.x + at, m->count, time,
+        pose_place(&m->solid->motion, moving->rest.x + at, m->count, time,
                    sim->boundary.at.x + 3 * (size_t)m->first);
         if (!moving->layer.count) continue;
-        pose_place(&m->solid->motion, moving->placed_layer.x + at, m->count, time,
+        pose_place(&m->solid->motion, moving->rest_layer.x + at, m->count, time,
                    moving->layer.x + at);
     }
     if (sim->objective.neighbours)

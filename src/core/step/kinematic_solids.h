@@ -1,5 +1,5 @@
-/* Solids with prescribed motion: their boundary points are stored relative to the pivot, in the
- * initial placement, and moved to the pose at a given time. */
+/* Solids with prescribed motion: their boundary points are stored at rest and moved to the pose at
+ * a given time. */
 #ifndef PDYN_KINEMATIC_SOLIDS_H
 #define PDYN_KINEMATIC_SOLIDS_H
 
@@ -12,16 +12,16 @@ struct pdyn_sim;
 struct moving_solid { /* one solid with prescribed motion */
     const struct scene_solid *solid;
     int first, count; /* its boundary points */
-    struct box box;   /* m, of the points relative to the pivot */
+    struct box box;   /* m, of the points at rest */
 };
 
 struct kinematic_solids { /* empty if no solid moves */
     int solids, capacity;
     struct moving_solid *solid; /* capacity */
-    int points;               /* number of points of all moving solids: the last boundary points */
-    struct point_list placed; /* positions relative to the pivots in the initial placement, m */
-    struct point_list placed_layer; /* m: the same of layer_x (pdyn_neighbours); empty if unused */
-    struct point_list layer;        /* m: layer_x, or empty */
+    int points;             /* number of points of all moving solids: the last boundary points */
+    struct point_list rest; /* m: these points at rest */
+    struct point_list rest_layer; /* m: the same of layer_x (pdyn_neighbours); empty if unused */
+    struct point_list layer;      /* m: layer_x, or empty */
 };
 
 /* Registers the boundary points from index `first` on as those of a moving solid. */

@@ -13,21 +13,20 @@ static const double longest_approach = 2.0;
 /* A moving solid in a step. Both maps are affine; each is given by the images of the origin and of
  * the ends of the three unit vectors, m. */
 struct moving {
-    double rest[4][3];  /* where a point of the solid is at rest, relative to the pivot */
+    double rest[4][3];  /* where a point of the solid is at rest */
     double moved[4][3]; /* where it is at the end of the step */
-    struct box box;     /* of the mesh at rest, relative to the pivot */
+    struct box box;     /* of the mesh at rest */
     double thickness;
 };
 
 static struct moving moving_solid(const struct pdyn_sim *sim, const struct scene_solid *solid,
                                   double h) {
     const struct scene_motion *motion = &solid->motion;
-    struct moving m = {.box = pose_box(motion, solid->mesh.vertex, solid->mesh.vertices),
+    struct moving m = {.box = box_around(solid->mesh.vertex, solid->mesh.vertices),
                        .thickness = sim->scene.contact.thickness};
     for (int k = 0; k < 4; k++) {
         const double point[3] = {k == 1, k == 2, k == 3};
         pose_to_rest(motion, sim->time, point, m.rest[k]);
-        vec3_add(m.rest[k], -1.0, motion->pivot);
         pose_place(motion, m.rest[k], 1, sim->time + h, m.moved[k]);
     }
     return m;

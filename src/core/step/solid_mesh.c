@@ -10,7 +10,8 @@ int pdyn_solid_vertices(const pdyn_sim *sim, int solid, double *x) {
     const struct scene_solid *s = &sim->scene.solid[solid];
     const struct contact *contact = sim->objective.contact;
     const double *at = contact ? contact_solid_at(contact, solid) : s->mesh.vertex;
-    if (x && s->motion.keys && !contact) pose_place_mesh(s, sim->time, x);
+    if (x && s->motion.keys && !contact)
+        pose_place(&s->motion, s->mesh.vertex, s->mesh.vertices, sim->time, x);
     else if (x) memcpy(x, at, 3 * (size_t)s->mesh.vertices * sizeof *x);
     return s->mesh.vertices;
 }

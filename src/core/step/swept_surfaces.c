@@ -16,8 +16,8 @@ static bool resize_set(pdyn_context *context, struct swept_triangles *set,
 static bool resize_solid(pdyn_context *context, struct swept_surface *s, enum array_action action) {
     const size_t count = s->moves ? 3 * (size_t)s->vertices : 0;
     const size_t sides = s->is_solid ? 3 * (size_t)s->triangles : 0;
-    const struct array_entry table[] = {ARRAY(s->placed, count), ARRAY(s->pose[0], count),
-                                        ARRAY(s->pose[1], count), ARRAY(s->own_across, sides)};
+    const struct array_entry table[] = {ARRAY(s->pose[0], count), ARRAY(s->pose[1], count),
+                                        ARRAY(s->own_across, sides)};
     return context_arrays(context, table, ARRAY_ROWS(table), action);
 }
 
@@ -33,8 +33,6 @@ static pdyn_status add_solid(struct pdyn_sim *sim, struct swept_surface *s,
                                 .end = mesh->vertex,
                                 .moves = solid->motion.keys ? solid : NULL};
     if (!resize_solid(sim->context, s, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
-    for (int k = 0; s->moves && k < 3 * s->vertices; k++)
-        s->placed[k] = mesh->vertex[k] - solid->motion.pivot[k % 3];
     if (s->moves) s->begin = s->pose[0], s->end = s->pose[1];
     s->across = s->own_across;
     return mesh_find_border(sim->context, mesh, s->own_across);
@@ -114,7 +112,7 @@ void swept_surfaces_step(const struct pdyn_sim *sim, struct swept_surfaces *swep
     for (int k = 0; k < swept->count; k++) {
         const struct swept_surface *s = &swept->surface[k];
         for (int end = 0; s->moves && end < 2; end++)
-            pose_place(&s->moves->motion, s->placed, s->vertices, sim->time + end * h,
+            pose_place(&s->moves->motion, s->moves->mesh.vertex, s->vertices, sim->time + end * h,
                        s->pose[end]);
     }
     build_tree(swept, &swept->moving);

@@ -17,7 +17,7 @@ struct swept_surface { /* of a body or a solid */
     int triangles, vertices;
     const double *begin, *end;       /* vertices x 3, m: at the two ends of the step */
     const struct scene_solid *moves; /* the solid with prescribed motion, or NULL */
-    double *placed, *pose[2]; /* its vertices relative to the pivot; at both ends of the step */
+    double *pose[2];                 /* its vertices at both ends of the step */
 };
 
 struct swept_triangles { /* triangles of some surfaces and their hierarchy */
