@@ -57,6 +57,11 @@ struct link { /* an element: the sum of coefficient x particle is pulled to `tar
     double weight, target[3];
 };
 
+struct links { /* of a step: those beyond `room` are counted, not stored */
+    struct link *link;
+    int count, room;
+};
+
 /* 0 inside, where |n| d is noise; 1 on a surface, where it is about 0.5 */
 static double is_surface(double slope) {
     double t = fmin(1.0, fmax(0.0, (slope - 0.1) / 0.3));
@@ -145,15 +150,15 @@ static double pair_weight(const struct share *i, const struct share *j) {
 }
 
 /* Pairs of particle i, ascending, so that their order is not that of the lists. */
-static int add_pairs(const struct params *p, const pdyn_batch *b, const double *x, int i,
-                     const struct site *site, int count, int room) {
+static void add_pairs(const struct params *p, const pdyn_batch *b, const double *x, int i,
+                      const struct site *site, struct links *links) {
     const pdyn_neighbours *l = b->neighbours;
     const struct kernel_model *kernel = l->kernel;
-    struct link *link = b->data;
-    if (is_inside(&site[i])) return count;
+    struct link *link = links->link;
+    if (is_inside(&site[i])) return;
     double free = kernel->tension * p->tension,
            wet = -p->tension * (cosine(p) + kernel->wetting_offset);
-    int first = count;
+    int first = links->count;
     for (int k = l->start[i]; k < l->surface_start[i]; k++) {
         int j = l->index[k];
         if (j <= i || !body_has(b->body, j) || is_inside(&site[j])) continue;
@@ -161,15 +166,14 @@ static int add_pairs(const struct params *p, const pdyn_batch *b, const double *
         double pull = near * free * pair_weight(&site[i].free, &site[j].free),
                along = near * wet * pair_weight(&site[i].wet, &site[j].wet), w = pull + fabs(along);
         if (!(w > 0.0)) continue;
-        int at = count++;
-        if (at >= room) continue;
+        int at = links->count++;
+        if (at >= links->room) continue;
         for (; at > first && link[at - 1].end[1] > j; at--) link[at] = link[at - 1];
         link[at] = (struct link){{i, j, i, i}, {1.0, -1.0}, w, {0}};
         if (along < 0.0) /* a spring of twice their distance pushes with the force of this one */
             for (int a = 0; a < 3; a++)
                 link[at].target[a] = -2.0 * along / w * (x[3 * i + a] - x[3 * j + a]);
     }
-    return count;
 }
 
 /* ---- walls ----------------------------------------------------------------------------------- */
@@ -190,19 +194,19 @@ static void tie_to_sample(const pdyn_batch *b, int i, int sample, struct link *l
 /* The pull of walls, sheets and solids on a particle that touches them, which does the work of
  * adhesion tension (1 + cos angle) per area (Dupre 1869) within a spacing: a spring to a point one
  * spacing away; its force changes little in a step. */
-static int add_pull(const struct params *p, const pdyn_batch *b, const double *x, int i,
-                    const struct site *site, int count, int room) {
-    if (!(site->wet.area > 0.0)) return count;
+static void add_pull(const struct params *p, const pdyn_batch *b, const double *x, int i,
+                     const struct site *site, struct links *links) {
+    if (!(site->wet.area > 0.0)) return;
     double d = 2.0 * b->body->radius, steep = vec3_length(site->wall),
            force = reach * p->tension * (1.0 + cosine(p)) * site->wet.area / d;
-    if (!(force > 0.0)) return count;
+    if (!(force > 0.0)) return;
     struct link link = {.weight = force / d};
     tie_to_sample(b, i, site->sample, &link);
     for (int k = 0; k < ENDS; k++)
         vec3_add(link.target, link.coefficient[k], x + 3 * (size_t)link.end[k]);
     vec3_add(link.target, d / steep, site->wall);
-    if (count < room) ((struct link *)b->data)[count] = link;
-    return count + 1;
+    if (links->count < links->room) links->link[links->count] = link;
+    links->count++;
 }
 
 /* ---- callbacks ------------------------------------------------------------------------------- */
@@ -211,15 +215,16 @@ static int update(const void *par, const pdyn_batch *b, const double *x, const d
                   int room) {
     (void)v;
     const struct params *p = par;
-    int count = 0, first = b->body->first, last = first + b->body->count;
+    int first = b->body->first, last = first + b->body->count;
+    struct links links = {.link = b->data, .room = room};
     struct site *site = (struct site *)b->scratch - first;
     for (int i = first; i < last; i++) find_site(b, x, i, &site[i]);
     for (int i = first; i < last; i++) find_rates(b, x, i, site);
     for (int i = first; i < last; i++) {
-        count = add_pairs(p, b, x, i, site, count, room);
-        count = add_pull(p, b, x, i, &site[i], count, room);
+        add_pairs(p, b, x, i, site, &links);
+        add_pull(p, b, x, i, &site[i], &links);
     }
-    return count;
+    return links.count;
 }
 
 static void select(const void *par, const pdyn_batch *b, int first, int last) {
