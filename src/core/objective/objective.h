@@ -168,16 +168,8 @@ double objective_dot(struct objective *objective, const double *a, const double 
 double objective_dot_between(struct objective *objective, int first, int last, const double *a,
                              const double *b);
 
-/* The length of a residual: the root of the sum over bodies of |r|^2 / scale^2 (residual.h). It
- * bounds the residual of every body. */
-double objective_norm(struct objective *objective, const double *r);
-double objective_norm_between(struct objective *objective, int first, int last, const double *r);
-
 /* The body of a particle. */
 int objective_body_of(const struct objective *objective, int particle);
-
-/* Measures the residual of every body from the gradient of E; returns the largest. */
-double objective_residual(struct objective *objective, const double *gradient);
 
 /* The sum of `partial` over the blocks of a loop. */
 double objective_partial_sum(const struct objective *objective, int blocks);

@@ -26,4 +26,12 @@ void residual_open_load(struct objective *objective, const struct batch *batch,
 void residual_add_load(struct objective *objective, const struct batch *batch,
                        const double *gradient);
 
+/* Measures the residual of every body from the gradient of E; returns the largest. */
+double objective_residual(struct objective *objective, const double *gradient);
+
+/* The length of a residual: the root of the sum over bodies of |r|^2 / scale^2, which bounds
+ * the residual of every body. */
+double objective_norm(struct objective *objective, const double *r);
+double objective_norm_between(struct objective *objective, int first, int last, const double *r);
+
 #endif

@@ -2,6 +2,8 @@
  * remainder, the model without one-sided constraints. */
 #include "solver_view.h"
 
+#include "residual.h"
+
 #include <string.h>
 
 static struct objective *objective_of(pdyn_model *model) {

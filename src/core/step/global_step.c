@@ -4,6 +4,8 @@
  * fixed sides alone. */
 #include "global_step.h"
 
+#include "objective/residual.h"
+
 #include <math.h>
 #include <string.h>
 

@@ -9,6 +9,7 @@
 #include "iterate.h"
 #include "line_search.h"
 #include "measure.h"
+#include "objective/residual.h"
 #include "start_point.h"
 
 #include <math.h>
