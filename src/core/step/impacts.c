@@ -23,28 +23,35 @@ static double kept_part(const struct pdyn_sim *sim, int i, double h, const doubl
     return gained > 2.0 * changed ? fmin(kept, 2.0 * changed / gained) : kept;
 }
 
-/* Moves impulses (particles x 3, m/s) of a body in v from the weight h_e to the weight h_e^2 / h,
- * and adds the latter to v_before. Of every impulse, a particle gets the kept part, which is
- * written to `kept` (particles). The rest goes to the pins of the body (sim->passed_on). Without
- * pins, the rest of the impulses between particles is added to lost: momentum of v and of v_before,
- * kg m/s. */
-static void shift_velocities(struct pdyn_sim *sim, int b, double h, const double *impulse,
-                             const double *between, double lost[2][3], double *kept) {
+struct impulses {    /* of the impacts of a step, over the mass */
+    double *all;     /* particles x 3, m/s */
+    double *between; /* particles x 3, m/s: of impacts between particles alone */
+    double *kept;    /* particles: the part that the velocities receive */
+    /* kg m/s: momentum of v and of v_before that the rest of `between` takes away */
+    double lost[2][3];
+};
+
+/* Moves the impulses of a body in v from the weight h_e to the weight h_e^2 / h, and adds the
+ * latter to v_before; sets `kept`. The rest goes to the pins of the body (sim->passed_on). Without
+ * pins, the rest of the impulses between particles is added to `lost`. */
+static void shift_velocities(struct pdyn_sim *sim, int b, double h, struct impulses *impulses) {
     const struct objective *objective = &sim->objective;
     const struct objective_body *body = &objective->body[b];
+    const double *impulse = impulses->all;
     double part = objective->h / h, *passed_on = sim->passed_on + 3 * (size_t)b;
     bool pinned = sim_pins_body(sim, b);
     memset(passed_on, 0, 3 * sizeof *passed_on);
     for (int i = body->first; i < body->first + body->count; i++) {
         double own = kept_part(sim, i, h, impulse + 3 * i);
         double left = objective->mass[i] * (1.0 - own);
-        kept[i] = pinned ? 1.0 : own;
+        impulses->kept[i] = pinned ? 1.0 : own;
         for (int k = 3 * i; k < 3 * i + 3; k++) {
             sim->v[k] -= own * (1.0 - part) * impulse[k];
             sim->v_before[k] += own * part * impulse[k];
-            lost[0][k % 3] -= pinned ? 0.0 : left * (1.0 - part) * between[k];
-            lost[1][k % 3] += pinned ? 0.0 : left * part * between[k];
             passed_on[k % 3] += pinned ? left / objective->h * impulse[k] : 0.0;
+            if (pinned) continue;
+            impulses->lost[0][k % 3] -= left * (1.0 - part) * impulses->between[k];
+            impulses->lost[1][k % 3] += left * part * impulses->between[k];
         }
     }
 }
@@ -70,16 +77,16 @@ static void find_shares(const struct pdyn_sim *sim, const double *between, doubl
 /* Gives the lost momentum back to the particles that have impulses between particles, in proportion
  * to these: a light particle changes its velocity no more than a heavy one with the same impulse,
  * and a particle without an impulse not at all. */
-static void give_back(struct pdyn_sim *sim, const double *between, double lost[2][3],
-                      double *share) {
+static void give_back(struct pdyn_sim *sim, const struct impulses *impulses, double *share) {
+    const double *v = impulses->lost[0], *v_before = impulses->lost[1];
     double sum = 0.0;
-    if (!(vec3_length(lost[0]) > 0.0 || vec3_length(lost[1]) > 0.0)) return;
-    find_shares(sim, between, share);
+    if (!(vec3_length(v) > 0.0 || vec3_length(v_before) > 0.0)) return;
+    find_shares(sim, impulses->between, share);
     for (int i = 0; i < sim->objective.particles; i++) sum += sim->objective.mass[i] * share[i];
     if (!(sum > 0.0)) return;
     for (int k = 0; k < 3 * sim->objective.particles; k++) {
-        sim->v[k] += share[k / 3] / sum * lost[0][k % 3];
-        sim->v_before[k] += share[k / 3] / sum * lost[1][k % 3];
+        sim->v[k] += share[k / 3] / sum * v[k % 3];
+        sim->v_before[k] += share[k / 3] / sum * v_before[k % 3];
     }
 }
 
@@ -173,16 +180,16 @@ static int find_impacts(struct pdyn_sim *sim, double h, double *force) {
 }
 
 int impacts_correct(struct pdyn_sim *sim, double h) {
-    double *impulse = sim->trial_gradient, *between = sim->trial, *kept = sim->rhs;
-    double lost[2][3] = {{0}, {0}};
+    struct impulses impulses = {
+        .all = sim->trial_gradient, .between = sim->trial, .kept = sim->rhs};
     if (!sim->v_before) return 0;
-    int count = find_impacts(sim, h, impulse);
-    bool any = find_between(sim, impulse, between);
-    to_velocities(sim, impulse);
-    if (any) to_velocities(sim, between);
-    for (int b = 0; b < sim->bodies; b++) shift_velocities(sim, b, h, impulse, between, lost, kept);
-    keep_impacts(sim, kept);
-    if (any) give_back(sim, between, lost, sim->direction);
+    int count = find_impacts(sim, h, impulses.all);
+    bool any = find_between(sim, impulses.all, impulses.between);
+    to_velocities(sim, impulses.all);
+    if (any) to_velocities(sim, impulses.between);
+    for (int b = 0; b < sim->bodies; b++) shift_velocities(sim, b, h, &impulses);
+    keep_impacts(sim, impulses.kept);
+    if (any) give_back(sim, &impulses, sim->direction);
     rigid_bodies_project(sim, sim->x_next, sim->v);
     rigid_bodies_project(sim, sim->x, sim->v_before);
     return count;
