@@ -183,14 +183,14 @@ static int read_color(const struct run *run, const struct part *part, const json
                      part->name);
 }
 
-/* Whether the report has a constraint of a type on a body. */
-static bool has_constraint(const struct run *run, const char *body, const char *type) {
+/* Whether the report has the constraint "fluid" on a body. */
+static bool is_fluid(const struct run *run, const char *body) {
     json_t *list = json_object_get(run->report, "parameters"), *one;
     size_t k;
     json_array_foreach(list, k, one) {
         const char *found = json_string_value(json_object_get(one, "type"));
         const char *on = json_string_value(json_object_get(one, "body"));
-        if (found && on && !strcmp(found, type) && !strcmp(on, body)) return true;
+        if (found && on && !strcmp(found, "fluid") && !strcmp(on, body)) return true;
     }
     return false;
 }
@@ -210,7 +210,7 @@ static int open_body(struct run *run, int b) {
     if (!is_part_name(part->name))
         return run_error("%s/%s: bodies[%d]: expected a \"name\" without '/' of at most %d bytes",
                          run->directory, run->source, b, PART_NAME);
-    part->fluid = !run->report || has_constraint(run, part->name, "fluid");
+    part->fluid = !run->report || is_fluid(run, part->name);
     if (json_is_true(json_object_get(entry, "rigid"))) part->shape = "rigid";
     int code = part_open_series(run, part);
     if (code == EXIT_GOOD) code = read_body_number(run, b, "radius_m", &part->radius);
