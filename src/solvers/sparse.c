@@ -57,9 +57,8 @@ static void add_row(struct row *row, const struct sparse *b, int k, float scale)
     }
 }
 
-/* Copies entries above `least` to `to`, if it is not NULL, and empties the row. Returns their
- * number.
- */
+/* Copies the entries above `least` to `to` (NULL: only counts them) and empties the row. Returns
+ * their number. */
 static int flush_row(struct row *row, float least, struct entry *to) {
     int kept = 0;
     for (int k = 0; k < row->count; k++) {

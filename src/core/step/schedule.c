@@ -11,8 +11,8 @@
 
 #include <string.h>
 
-/* Times are equal that differ by rounding alone: 0.3 is a step's begin that was summed to
- * 0.30000000000000004. */
+/* Times that differ by rounding alone are equal: the time of a simulation is a sum of steps, which
+ * may be 0.30000000000000004 s where a scene has 0.3 s. */
 static bool is_over(double time, double now) { return time <= now * (1.0 + 1e-12); }
 
 /* Whether the next step is the first one that begins at a time or later. */
@@ -50,8 +50,8 @@ static pdyn_status set_all(struct pdyn_sim *sim, int k, const struct scene_const
     return status;
 }
 
-/* A type may refuse a value only until another parameter has its own: as many rounds as there are
- * parameters find an order. */
+/* A type may refuse a value while another parameter still has its old one. As many rounds as there
+ * are parameters find an order in which it accepts all. */
 static pdyn_status follow_to(struct pdyn_sim *sim, int k, const struct scene_constraint *c,
                              double time) {
     pdyn_status status = set_all(sim, k, c, time);

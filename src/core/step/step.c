@@ -171,8 +171,8 @@ static bool moved_too_far(const struct pdyn_sim *sim, const struct step_end *end
     return false;
 }
 
-/* Friction of the first step has no step before that gives it normal forces: those of a step
- * without friction, which is taken back, take their place. */
+/* The friction of a step takes its normal forces from the step before. The first step has none
+ * before it: it is attempted without friction, for these forces alone, and taken back. */
 static pdyn_status find_first_normal_forces(struct pdyn_sim *sim, const struct step_end *end) {
     const struct objective *objective = &sim->objective;
     struct progress progress;

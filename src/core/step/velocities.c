@@ -112,8 +112,8 @@ static double constraint_energy(const struct objective *objective) {
     return sum;
 }
 
-/* The energies of both ends are those of the constraints of this step, so that what solids and pins
- * do as they move does not count as a gain. */
+/* Both energies are those of the constraints as they are at the end of the step, so that the work
+ * of solids and pins that move does not count as a gain. */
 pdyn_status velocities_measure_rise(struct pdyn_sim *sim, bool far_off, double *rise) {
     struct objective *objective = &sim->objective;
     double energy, after = constraint_energy(objective);
