@@ -32,8 +32,8 @@ struct trial {
 };
 
 /* budget: particles that exist or not. */
-static struct trial start(int budget) {
-    struct trial t = {.context = test_context(1)};
+static struct trial start(pdyn_context *x, int budget) {
+    struct trial t = {.context = x};
     char text[2048];
     snprintf(text, sizeof text, scene, budget);
     t.sim = test_load(t.context, quoted(text));
@@ -152,7 +152,7 @@ static void move_points(struct contact *c, int every, double size, uint64_t *see
 
 static void test_motion(void **state) {
     (void)state;
-    struct trial t = start(38);
+    struct trial t = start(test_context(1), 38);
     struct contact *c = t.contact;
     uint64_t seed = 5;
     int few = 0, most = 0;
@@ -172,7 +172,7 @@ static void test_motion(void **state) {
 
 /* In steps, with particles that come into being. */
 static void check_steps(int budget) {
-    struct trial t = start(budget);
+    struct trial t = start(test_context(1), budget);
     int live = 0;
     check_list(t.contact);
     for (int k = 0; k < 40; k++) {
@@ -196,8 +196,26 @@ static void test_absent(void **state) {
     check_steps(5000);
 }
 
+/* After a search without memory, the next one finds all pairs, although no point has left its
+ * region since. */
+static void test_search_after_a_failure(void **state) {
+    (void)state;
+    struct counter calls;
+    struct trial t = start(test_counting_context(1, &calls), 38);
+    struct contact *c = t.contact;
+    for (int k = 0; k < 3 * c->vertices; k++) c->at[k] *= 0.5;
+    test_allow(&calls, 0);
+    assert_int_equal(contact_cover(c, c->at, NULL), PDYN_NO_MEMORY);
+    test_allow(&calls, -1);
+    assert_int_equal(contact_cover(c, c->at, NULL), PDYN_OK);
+    assert_true(c->pairs.count > 0);
+    check_list(c);
+    finish(&t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_motion), cmocka_unit_test(test_steps),
-                                       cmocka_unit_test(test_absent)};
+                                       cmocka_unit_test(test_absent),
+                                       cmocka_unit_test(test_search_after_a_failure)};
     return cmocka_run_group_tests_name("contact pairs", tests, NULL, NULL);
 }

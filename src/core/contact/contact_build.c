@@ -181,8 +181,7 @@ pdyn_status contact_create(pdyn_context *context, const struct contact_def *def,
     if (!resize(c, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     add_bodies(c, def);
     add_solids(c, def->scene);
-    for (int i = 0; i < c->points; i++) c->broad.region[i] = c->broad.point_box[i] = box_empty;
-    c->broad.moved = c->points + 1; /* trees are to be built, also where most points are absent */
+    for (int i = 0; i < c->points; i++) c->broad.region[i] = box_empty;
     pdyn_status status = contact_find_flat_sides(c);
     if (status == PDYN_OK) status = create_trees(c);
     if (status == PDYN_OK) status = bearings_create(c, def->rigid);

@@ -241,7 +241,10 @@ static pdyn_status update_list(struct contact *c) {
     contact_measure_moved(c, c->broad.built);
     contact_update_trees(c);
     drop_changed(c);
-    return add_new(c);
+    c->pairs.complete = false;
+    pdyn_status status = add_new(c);
+    c->pairs.complete = status == PDYN_OK;
+    return status;
 }
 
 pdyn_status contact_list(struct contact *c) {

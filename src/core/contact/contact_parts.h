@@ -91,6 +91,7 @@ struct broad_phase {
 struct pair_list {   /* what the broad phase found */
     int count, room; /* room: of `pair`, and of arrays of contact_paths and contact_hits */
     struct pair *pair;
+    bool complete; /* the last search did not fail; the first one has been done */
     double *seen;  /* points x 3, m: positions of the distances of pairs */
     double *moved; /* points, m: distance from there */
 };
@@ -177,8 +178,8 @@ bool contact_is_beyond_flat_side(const struct contact *contact, const struct pai
 #define CONTACT_LEAST 0.0625
 
 /* Gives points that are not in their regions, with their displacement from x by step (points x 3;
- * NULL: none), new ones, and all points if these are many; marks them as changed. Returns whether
- * there are any. */
+ * NULL: none), new ones, and all points if these are many or the list of pairs is not complete;
+ * marks them as changed. Returns whether there are any. */
 bool contact_update_regions(struct contact *contact, const double *x, const double *step);
 /* Builds or refits the trees of points, faces and edges around the regions. */
 void contact_update_trees(struct contact *contact);

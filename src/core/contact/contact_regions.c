@@ -56,13 +56,13 @@ bool contact_update_regions(struct contact *c, const double *x, const double *st
     int count = 0;
     for (int i = 0; i < c->points; i++)
         count += c->broad.changed[i] = !region_contains(c, i, x, step);
-    c->broad.all_changed = count > c->points / MANY;
+    c->broad.all_changed = !c->pairs.complete || count > c->points / MANY;
     c->broad.moved += count;
     for (int i = 0; i < c->points; i++) {
         c->broad.changed[i] |= c->broad.all_changed;
         if (c->broad.changed[i]) set_region(c, i, x, step);
     }
-    return count > 0;
+    return c->broad.all_changed || count > 0;
 }
 
 /* ---- trees ----------------------------------------------------------------------------------- */
