@@ -1,6 +1,9 @@
 /* Contact of rigid bodies: friction on a slope, a stack, a light body under a heavy one, the matrix
  * of bodies in contact, a collision. */
+#include "contact/contact_parts.h"
 #include "rigid_support.h"
+
+#include "projdyn/control.h"
 
 static double slide(double degrees) {
     char text[1024];
@@ -322,8 +325,25 @@ static void test_pinned_plate(void **state) {
     pdyn_destroy(context);
 }
 
+/* Forces on the vertices of a body, which have hardly any mass, do not make the regions of contact
+ * larger. */
+static void test_forces_on_vertices(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = load_stack(context);
+    double force[24];
+    for (int k = 0; k < 24; k++) force[k] = 1.0;
+    assert_int_equal(pdyn_set_forces(sim, 0, 8, force), PDYN_OK);
+    steps(context, sim, 2);
+    const struct contact *c = sim->objective.contact;
+    for (int i = 0; i < c->points; i++) assert_true(c->broad.reach[i] < 0.1);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_forces_on_vertices),
         cmocka_unit_test(test_slope),
         cmocka_unit_test(test_stack),
         cmocka_unit_test(test_light_under_heavy),

@@ -94,37 +94,51 @@ static pdyn_status start_inertia(struct pdyn_sim *sim, double *energy) {
     return status == PDYN_OK ? start_between(sim, 0.0, energy) : status;
 }
 
-/* Starts without the forces that a program applies, where that lowers E: forces on few vertices
- * move these far from the others in a long step. */
-static pdyn_status leave_out_forces(struct pdyn_sim *sim, double *energy) {
-    const double *force = sim->control.force;
-    double least, other, h_e = sim->objective.h, *x = sim->trial;
-    if (!force) return PDYN_OK;
+/* x = s - h_e^2 f/m, f: the forces that a program applies. Forces on few vertices move these far
+ * from the others in a long step. Rigid bodies and particles that an inlet moves stay at s. Returns
+ * whether x differs from s. */
+static bool predict_without_forces(const struct pdyn_sim *sim, double *x) {
+    const double *force = sim->control.force, h_e = sim->objective.h;
+    const struct rigid_map *rigid = sim->objective.rigid;
+    bool differs = false;
     memcpy(x, sim->objective.s, objective_bytes(&sim->objective));
-    for (int k = 0; k < 3 * sim->objective.particles; k++)
-        x[k] -= h_e * h_e * force[k] / sim->objective.mass[k / 3];
-    pdyn_status status = start_at(sim, x, &least, &other, sim->trial_gradient);
+    for (int k = 0; force && k < 3 * sim->objective.particles; k++) {
+        int i = k / 3;
+        if (force[k] == 0.0 || (rigid && rigid->owner[i] >= 0) || particle_is_pushed(sim, i))
+            continue;
+        x[k] -= h_e * h_e * force[k] / sim->objective.mass[i];
+        differs = true;
+    }
+    return differs;
+}
+
+/* Starts at the trial where that lowers E. Otherwise the iterate stays; *elsewhere: the local step
+ * was not there. */
+static pdyn_status try_start(struct pdyn_sim *sim, double *energy, bool *elsewhere) {
+    double least, other;
+    pdyn_status status = start_at(sim, sim->trial, &least, &other, sim->trial_gradient);
     if (status != PDYN_OK) return status;
-    if (!(other < *energy)) return start_at(sim, sim->x_next, &least, energy, sim->gradient);
+    *elsewhere = !(other < *energy);
+    if (*elsewhere) return PDYN_OK;
     iterate_accept_trial(sim);
     *energy = other;
     return PDYN_OK;
 }
 
-/* Adds the acceleration of the last step where that lowers E, except after a step that was cut
- * short: its error would be handed on. */
+/* Starts where E is lowest: at s, without applied forces, or with the acceleration of the last
+ * step, except after a step that was cut short: its error would be handed on. */
 static pdyn_status start_positions(struct pdyn_sim *sim, double *energy) {
-    double warm, least;
+    bool elsewhere = false;
+    double least;
     pdyn_status status = start_inertia(sim, energy);
-    if (status == PDYN_OK) status = leave_out_forces(sim, energy);
-    if (status != PDYN_OK || sim->last_h == 0.0 || sim->far_off) return status;
-    predict_with_acceleration(sim, sim->trial);
-    status = start_at(sim, sim->trial, &least, &warm, sim->trial_gradient);
-    if (status != PDYN_OK) return status;
-    if (!(warm < *energy)) return start_at(sim, sim->x_next, &least, energy, sim->gradient);
-    iterate_accept_trial(sim);
-    *energy = warm;
-    return PDYN_OK;
+    if (status == PDYN_OK && predict_without_forces(sim, sim->trial))
+        status = try_start(sim, energy, &elsewhere);
+    if (status == PDYN_OK && sim->last_h != 0.0 && !sim->far_off) {
+        predict_with_acceleration(sim, sim->trial);
+        status = try_start(sim, energy, &elsewhere);
+    }
+    if (status != PDYN_OK || !elsewhere) return status;
+    return start_at(sim, sim->x_next, &least, energy, sim->gradient);
 }
 
 /* A dual solver keeps its multipliers, so a step starts at s. A fluid at rest, which moves less
