@@ -7,7 +7,7 @@ static const struct box_group *group_at(const struct bvh *tree, int level, int g
     return &tree->group[tree->first[level] + group];
 }
 
-/* A group and itself. */
+/* Whether the part is a group of a hierarchy with itself. */
 static bool is_twice(const struct bvh_join *join, const struct group_pair *p) {
     return join->tree[0] == join->tree[1] && p->group[0] == p->group[1];
 }
@@ -31,7 +31,8 @@ INLINE void find_meetings(const struct bvh_join *join, const struct group_pair *
     }
 }
 
-/* Lists the parts of a part; returns their number. The higher group is divided, or both. */
+/* Lists the parts of a part; returns their number. The group of the higher level is divided, or
+ * both where they are of one level. */
 INLINE int divide(const struct group_pair *p, int64_t meets[BVH_WIDTH][BVH_WIDTH],
                   struct group_pair *out) {
     bool first = p->level[0] >= p->level[1], second = p->level[1] >= p->level[0];
@@ -42,7 +43,7 @@ INLINE int divide(const struct group_pair *p, int64_t meets[BVH_WIDTH][BVH_WIDTH
             struct group_pair part = {{p->level[0] - first, p->level[1] - second},
                                       {first ? BVH_WIDTH * p->group[0] + i : p->group[0],
                                        second ? BVH_WIDTH * p->group[1] + k : p->group[1]}};
-            bool known = false; /* where one group stays, by another of its lanes */
+            bool known = false; /* from another lane of a group that is not divided */
             for (int m = 0; first != second && m < count; m++)
                 known |= !memcmp(&out[m], &part, sizeof part);
             if (!known) out[count++] = part;
@@ -54,7 +55,9 @@ static bool is_single(const struct group_pair *p) { return !p->level[0] && !p->l
 
 WIDE void bvh_join_visit(const struct bvh_join *join, struct group_pair part,
                          void (*visit)(void *user, int a, int b), void *user) {
-    struct group_pair stack[2 * BVH_LEVELS * BVH_WIDTH * BVH_WIDTH]; /* 8 kB, not set to 0 */
+    /* a division adds fewer than 16 parts, and is followed by fewer than BVH_LEVELS others; 4 kB,
+     * not set to 0 */
+    struct group_pair stack[BVH_LEVELS * BVH_WIDTH * BVH_WIDTH];
     stack[0] = part;
     for (int waiting = 1; waiting;) {
         int64_t meets[BVH_WIDTH][BVH_WIDTH];
