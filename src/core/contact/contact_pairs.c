@@ -3,8 +3,8 @@
  * complete while every point is in its region.
  *
  * Only the pairs of points with new regions are searched anew: most searches of an impact are for a
- * few of thousands of points. Which pairs are in the list depends on the regions alone, their order
- * on threads and earlier lists, too; contacts are sorted (contact_find.c). */
+ * few of thousands of points. The set of pairs depends on the regions alone; their order depends on
+ * threads and earlier lists, too. contact_find.c sorts the contacts. */
 #include "contact_parts.h"
 
 #include "geometry/bvh_join.h"
@@ -109,7 +109,7 @@ struct searches {
         const struct search *search;
         struct group_pair part;
     } task[SEARCHES * BVH_PARTS];
-    atomic_long found; /* pairs in all, in the list or more than it has room for */
+    atomic_long found; /* new pairs, also those that the list has no room for */
 };
 
 struct gathered { /* new pairs of a task */
@@ -119,6 +119,7 @@ struct gathered { /* new pairs of a task */
     struct pair pair[GATHERED];
 };
 
+/* Appends the gathered pairs to the list; where it has no room, they are counted only. */
 static void add_to_list(struct gathered *g) {
     struct pair_list *list = &g->all->contact->pairs;
     long at = list->count + atomic_fetch_add(&g->all->found, g->count);
@@ -127,7 +128,8 @@ static void add_to_list(struct gathered *g) {
     g->count = 0;
 }
 
-static void visit(void *user, int a, int b) {
+/* Gathers the pair of box a of the first tree and box b of the second one, if it can come close. */
+static void gather_pair(void *user, int a, int b) {
     struct gathered *g = user;
     a += g->search->first[0], b += g->search->first[1];
     bool swap = g->search->edges && b < a;
@@ -143,7 +145,7 @@ static void do_tasks(void *arg, int first, int last, int block) {
     g.all = all, g.count = 0;
     for (int k = first; k < last; k++) {
         g.search = all->task[k].search;
-        bvh_join_visit(&g.search->join, all->task[k].part, visit, &g);
+        bvh_join_visit(&g.search->join, all->task[k].part, gather_pair, &g);
         if (g.count) add_to_list(&g);
     }
 }

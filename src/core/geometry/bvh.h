@@ -38,8 +38,8 @@ void bvh_free(pdyn_context *context, struct bvh *tree);
 /* Builds the hierarchy of `count` <= capacity boxes. Nothing overlaps an empty box. */
 void bvh_build(struct bvh *tree, const struct box *box, int count);
 
-/* Gives the boxes that `changed` says new places and sizes. Their order stays: searches find the
- * same as after a build, and take longer the farther the boxes have moved. */
+/* Updates the hierarchy where changed[i] says that box[i] is another one. The order of the boxes
+ * stays: searches find the same as after a build, and take longer the farther boxes have moved. */
 void bvh_refit(struct bvh *tree, const struct box *box, const bool *changed);
 
 /* Calls visit(user, id) for each box that overlaps or touches `box`. `visit` may shrink `box`; the
@@ -47,8 +47,8 @@ void bvh_refit(struct bvh *tree, const struct box *box, const bool *changed);
 void bvh_visit(const struct bvh *tree, const struct box *box, void (*visit)(void *user, int id),
                void *user);
 
-/* As bvh_visit, but for the boxes of one owner: subtrees that are all its own are left out at once.
- */
+/* As bvh_visit, without the boxes of `owner`: subtrees in which it owns all boxes are left out at
+ * once. */
 void bvh_visit_others(const struct bvh *tree, const struct box *box, int owner,
                       void (*visit)(void *user, int id), void *user);
 

@@ -1,6 +1,7 @@
-/* All pairs of overlapping boxes of two hierarchies, or of one with itself, of which one box or
- * both have changed (bvh_refit): both are descended at once, so that parts far from each other, or
- * without change, are left out as a whole. Boxes of one owner are no pair. */
+/* All pairs of overlapping boxes of two hierarchies, or of one with itself, where one box or both
+ * have changed (bvh_refit). Both hierarchies are descended at once (dual-tree traversal), so that
+ * parts far from each other, or without change, are left out as a whole. Boxes of one owner are no
+ * pair. */
 #ifndef PDYN_BVH_JOIN_H
 #define PDYN_BVH_JOIN_H
 

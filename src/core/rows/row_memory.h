@@ -10,7 +10,7 @@
 struct row_memory {
     int count, room;
     struct keyed *entry;  /* room; `count` of them in use, ascending keys; place: of a block among
-                             those  that were given */
+                             those that were given */
     unsigned char *block; /* room x size bytes, in the order of the entries */
 };
 
