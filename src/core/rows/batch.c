@@ -186,9 +186,8 @@ static int operator_impacts(struct batch *b, const struct velocity_change *chang
     struct one_sided *s = &b->one_sided;
     batch_rate(b, s->acts, change->acceleration, s->reached);
     batch_rate(b, s->acts, change->slowed, s->rate);
-    batch_rate(b, s->acts, change->after, s->multiplier);
-    int count = one_sided_impacts(s, b->view.body->mass[0], change->h, change->taken,
-                                  change->solved, begin_output(b, force));
+    int count = one_sided_impacts(s, b->view.body->mass[0], change->h, change->solved,
+                                  begin_output(b, force));
     end_output(b, force);
     return count;
 }
