@@ -273,7 +273,7 @@ static void test_weights_that_change(void **state) {
     t.weight = weight_of_time, expect_begin(t, "weight depends on `time`, but without `begin`");
     t.weight = weight_of_step, expect_begin(t, "weight depends on the length of the step");
     t.weight = weight_negative_in_steps, t.begin = begin_nothing;
-    wrong_expect(t, "weight gives -1, expected a finite number of at least 0");
+    wrong_expect(t, "element 0 has the weight -1, expected a finite one of at least 0");
     t.begin = NULL;
     t.weight = weight, t.memory_size = sizeof(double), t.end = end_of_damage;
     wrong_expect(t, NULL);
