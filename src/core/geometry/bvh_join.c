@@ -53,8 +53,8 @@ INLINE int divide(const struct group_pair *p, int64_t meets[BVH_WIDTH][BVH_WIDTH
 
 static bool is_single(const struct group_pair *p) { return !p->level[0] && !p->level[1]; }
 
-WIDE void bvh_join_visit(const struct bvh_join *join, struct group_pair part,
-                         void (*visit)(void *user, int a, int b), void *user) {
+WIDE static void visit_meetings(const struct bvh_join *join, struct group_pair part,
+                                void (*visit)(void *user, int a, int b), void *user) {
     /* a division adds fewer than 16 parts, and is followed by fewer than BVH_LEVELS others; 4 kB,
      * not set to 0 */
     struct group_pair stack[BVH_LEVELS * BVH_WIDTH * BVH_WIDTH];
@@ -73,6 +73,11 @@ WIDE void bvh_join_visit(const struct bvh_join *join, struct group_pair part,
             for (int k = 0; k < BVH_WIDTH; k++)
                 if (meets[i][k]) visit(user, a[i], b[k]);
     }
+}
+
+void bvh_join_visit(const struct bvh_join *join, struct group_pair part,
+                    void (*visit)(void *user, int a, int b), void *user) {
+    visit_meetings(join, part, visit, user);
 }
 
 int bvh_join_divide(const struct bvh_join *join, struct group_pair part[BVH_PARTS]) {
