@@ -133,8 +133,8 @@ WIDE static void decompose_tets(const double *const u[SVD3_LANES], svd3 d[SVD3_L
     svd3_of_lanes(u, d, SVD3_LANES);
 }
 
-/* Decomposes the u of elements from `first` on, not farther than `last`. The same u as before, as
- * strain and volume have it, is not decomposed twice. */
+/* Decomposes the u of elements from `first` on, not beyond `last`. Strain and volume of a
+ * tetrahedron have the same u, which is decomposed once. */
 static void decompose(const pdyn_batch *b, int first, int last, struct decomposed *to) {
     const double *u[SVD3_LANES] = {b->u + 9 * (size_t)first};
     int count = 0, e = first;

@@ -82,27 +82,27 @@ void contact_wrap_regions(const struct contact *c, const int *point, int points,
     box_grow(box, 0.5 * c->settings->thickness);
 }
 
-/* changed: NULL for all. */
-static void update_tree(struct bvh *tree, const struct box *box, int count, bool build,
-                        const bool *changed) {
+static void update_tree(struct bvh *tree, const struct box *box, const bool *changed, int count,
+                        bool build, bool refit) {
     if (build) bvh_build(tree, box, count);
-    if (changed) bvh_refit(tree, box, changed);
+    if (refit) bvh_refit(tree, box, changed);
 }
 
-/* Trees are built again where all points have new regions, or as many since the last time. */
+/* Trees are built again where all points have new regions, or as many since the last time. A refit
+ * says what has changed; after a build alone, all has. */
 static void update_trees(struct contact *c) {
     struct broad_phase *b = &c->broad;
+    const struct box *point = b->point_box, *face = b->face_box, *edge = b->edge_box;
+    const bool *points = b->changed, *faces = b->face_changed, *edges = b->edge_changed;
     int v = c->vertices, f = c->free_faces, e = c->free_edges;
-    bool all = b->all_changed, build = all || b->moved > c->points;
-    const bool *point = all ? NULL : b->changed, *face = all ? NULL : b->face_changed,
-               *edge = all ? NULL : b->edge_changed;
+    bool some = !b->all_changed, build = !some || b->moved > c->points;
     if (build) b->moved = 0;
-    update_tree(&b->vertex_tree, b->point_box, v, build, point);
-    update_tree(&b->other_tree, b->point_box + v, c->points - v, build, all ? NULL : point + v);
-    update_tree(&b->face_tree[0], b->face_box, f, build, face);
-    update_tree(&b->face_tree[1], b->face_box + f, c->faces - f, build, all ? NULL : face + f);
-    update_tree(&b->edge_tree[0], b->edge_box, e, build, edge);
-    update_tree(&b->edge_tree[1], b->edge_box + e, c->edges - e, build, all ? NULL : edge + e);
+    update_tree(&b->vertex_tree, point, points, v, build, some);
+    update_tree(&b->other_tree, point + v, points + v, c->points - v, build, some);
+    update_tree(&b->face_tree[0], face, faces, f, build, some);
+    update_tree(&b->face_tree[1], face + f, faces + f, c->faces - f, build, some);
+    update_tree(&b->edge_tree[0], edge, edges, e, build, some);
+    update_tree(&b->edge_tree[1], edge + e, edges + e, c->edges - e, build, some);
 }
 
 /* Points that no triangle has, and flat parts of solids and rigid bodies, have no pairs. */
