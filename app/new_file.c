@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,10 +38,33 @@ static int create(const char *path, char **temporary) {
     return open(*temporary, flags, 0666);
 }
 
+/* The temporary file that a signal has to remove, or NULL. */
+static char *volatile unfinished;
+
+static void remove_and_die(int number) {
+    if (unfinished) unlink(unfinished);
+    signal(number, SIG_DFL);
+    raise(number);
+}
+
+/* Lets Ctrl-C remove the file, in commands that do not handle signals themselves. */
+static void remove_on_signal(char *temporary) {
+    const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    unfinished = temporary;
+    for (int k = 0; k < 3; k++) {
+        struct sigaction now, action = {.sa_handler = remove_and_die};
+        if (sigaction(numbers[k], NULL, &now) == 0 && now.sa_handler == SIG_DFL)
+            sigaction(numbers[k], &action, NULL);
+    }
+}
+
 FILE *new_file_open(const char *path, char **temporary) {
     int descriptor = create(path, temporary);
     FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "w");
-    if (file) return file;
+    if (file) {
+        if (*temporary) remove_on_signal(*temporary);
+        return file;
+    }
     int error = errno;
     if (descriptor >= 0) close(descriptor);
     if (descriptor >= 0 && *temporary) unlink(*temporary);
@@ -55,6 +79,7 @@ bool new_file_close(FILE *file, char *temporary, const char *path, bool good) {
     good = good && (!temporary || !rename(temporary, path));
     int error = errno;
     if (!good && temporary) unlink(temporary);
+    if (unfinished == temporary) unfinished = NULL;
     free(temporary);
     errno = error;
     return good;

@@ -8,4 +8,4 @@ build/app/projdyn replay out/pool_in_cloth -o out/pool_in_cloth/replay.html
 echo
 echo "Open out/pool_in_cloth/replay.html in Firefox or Chromium."
 echo "The frames (*.vtk.series, for ParaView, PyVista, Blender, splashsurf), metrics.csv and report.json lie beside it."
-echo "Next, with 20,000 particles (half an hour): build/app/projdyn run scenes/water_on_cloth.json"
+echo "Next, with 20,000 particles (ten minutes): build/app/projdyn run scenes/water_on_cloth.json"
