@@ -177,9 +177,9 @@ static void test_pins_in_impacts(void **state) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(
         context, SCENE("'duration': 1, 'frame_interval': 0.1, 'time_step': {'fixed': 0.01}",
-                       PAIR(FLUID_BOX("'velocity': [0, 3, 0], ", "0.03", "-0.15, -0.4, -0.15",
+                       PAIR(FLUID_BOX("'velocity': [0, 4, 0], ", "0.03", "-0.15, -0.4, -0.15",
                                       "0.15, -0.25, 0.15", ", 'stiffness': 1e5"),
-                            GRID_SHEET("", "0.6, 0.6", "11, 11", "'area_density': 1",
+                            GRID_SHEET("", "0.6, 0.6", "11, 11", "'area_density': 0.2",
                                        PAIR(SPRINGS("1500"), PINS("'border': true")))),
                        ""));
     const struct batch *pins = sim->objective.batch[sim->constraints - 1];

@@ -182,12 +182,20 @@ void batch_find_acceleration(struct batch *b, const struct velocity_change *chan
     if (change->rigid) rigid_map_extend(change->rigid, a);
 }
 
+/* `after` has no velocities of boundary points: no limit where they take part. */
+static void forget_separation(struct one_sided *s, const pdyn_neighbours *lists, int first) {
+    for (int i = 0; i < s->at.count; i++)
+        if (lists->boundary_start[first + i] < lists->end[first + i]) s->multiplier[i] = -INFINITY;
+}
+
 static int operator_impacts(struct batch *b, const struct velocity_change *change, double *force) {
     struct one_sided *s = &b->one_sided;
     batch_rate(b, s->acts, change->acceleration, s->reached);
     batch_rate(b, s->acts, change->slowed, s->rate);
-    int count = one_sided_impacts(s, b->view.body->mass[0], change->h, change->solved,
-                                  begin_output(b, force));
+    batch_rate(b, s->acts, change->after, s->multiplier);
+    forget_separation(s, change->lists, b->view.body->first);
+    int count = one_sided_impacts(s, b->view.body->mass[0], change->h, change->taken,
+                                  change->solved, begin_output(b, force));
     end_output(b, force);
     return count;
 }

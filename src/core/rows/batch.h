@@ -162,6 +162,9 @@ void batch_remainder_diagonal(struct batch *batch, double *blocks);
 
 struct velocity_change {  /* by a step of effective length h, s */
     const double *slowed; /* particles x 3: velocities before the step minus those after, m/s */
+    const double *after;  /* particles x 3: velocities after the step, m/s */
+    const pdyn_neighbours *lists; /* NULL in a scene without SPH sums */
+    double taken; /* part of the impulse of an impact that is taken off the velocities */
     int particles;
     const double *mass; /* particles, kg; of vertices of rigid bodies the effective mass */
     const struct rigid_map *rigid; /* NULL: there are no rigid bodies */

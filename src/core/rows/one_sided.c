@@ -246,7 +246,7 @@ void one_sided_forces(struct one_sided *s, double *y) {
 struct impacts {
     struct one_sided *s;
     const double *slowed, *acceleration; /* count: rates */
-    double mass, h;
+    double mass, h, taken;
     bool comparable; /* with the forces of the step before: both steps are solved */
 };
 
@@ -257,6 +257,14 @@ static const double usual_rise = 4.0;
 /* The part of the force, 0 to 1, beyond a usual rise in a step. */
 static double risen_part(const struct impacts *c, int i, double force) {
     return c->comparable ? fmax(0.0, 1.0 - usual_rise * c->s->mean[i] / force) : 0.0;
+}
+
+/* The decrease of dC/dt in the step, at most so much that the impulse which is taken off ends the
+ * separation after the step. More would make the particles approach, and give energy to water that
+ * a sheet slows down in many steps. */
+static double stopped_of(const struct impacts *c, int i) {
+    double separation = fmax(0.0, -c->s->multiplier[i]);
+    return c->slowed[i] * c->taken > separation ? separation / c->taken : c->slowed[i];
 }
 
 /* Two estimates of the rate change that the force causes in a step: `acceleration`, by all forces
@@ -270,7 +278,7 @@ static double impact_of(const struct impacts *c, int i) {
     if (force == 0.0) return 0.0;
     double alone = c->h * force * s->at.squares[i] / c->mass;
     double change = fmax(c->h * c->acceleration[i], alone), rise = risen_part(c, i, force) * alone;
-    return fmax(impact_part(c->slowed[i], change, c->h * change / value),
+    return fmax(impact_part(stopped_of(c, i), change, c->h * change / value),
                 impact_part(rise, alone, c->h * alone / value));
 }
 
@@ -286,8 +294,10 @@ static void compute_impacts(void *arg, int first, int last, int block) {
     s->partial[block] = count;
 }
 
-int one_sided_impacts(struct one_sided *s, double mass, double h, bool solved, double *y) {
-    struct impacts impacts = {s, s->rate, s->reached, mass, h, solved && s->means == s->at.count};
+int one_sided_impacts(struct one_sided *s, double mass, double h, double taken, bool solved,
+                      double *y) {
+    bool comparable = solved && s->means == s->at.count;
+    struct impacts impacts = {s, s->rate, s->reached, mass, h, taken, comparable};
     pool_for(s->context->pool, s->at.count, GRAIN, compute_impacts, &impacts);
     s->op->force(s->self, s->multiplier, y);
     return sum_counts(s);

@@ -153,10 +153,13 @@ static void to_velocities(struct pdyn_sim *sim, double *force) {
 
 /* Computes the forces of impacts on particles, N, with the sign of the gradient; returns the number
  * of constraints with an impact. Overwrites sim->trial, direction and rhs. */
-static int find_impacts(struct pdyn_sim *sim, double *force) {
+static int find_impacts(struct pdyn_sim *sim, double h, double *force) {
     struct objective *objective = &sim->objective;
     double *slowed = sim->trial;
     struct velocity_change change = {.slowed = slowed,
+                                     .after = sim->v,
+                                     .lists = objective_lists(objective),
+                                     .taken = 1.0 - objective->h / h,
                                      .particles = objective->particles,
                                      .mass = objective->rigid ? objective->rigid->effective_mass
                                                               : objective->inertia,
@@ -181,7 +184,7 @@ int impacts_correct(struct pdyn_sim *sim, double h) {
     struct impulses impulses = {
         .all = sim->trial_gradient, .between = sim->trial, .kept = sim->rhs};
     if (!sim->v_before) return 0;
-    int count = find_impacts(sim, impulses.all);
+    int count = find_impacts(sim, h, impulses.all);
     bool any = find_between(sim, impulses.all, impulses.between);
     to_velocities(sim, impulses.all);
     if (any) to_velocities(sim, impulses.between);
