@@ -5,8 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { SMOOTHING_SWEEPS = 50 }; /* of the ordering of nodes */
-
 /* A coupling is strong from this part of the largest one in its row (Ruge and Stueben: 0.25). */
 static const float strong_coupling = 0.25F;
 /* A point is fixed (Dirichlet) where its own stiffness is this many times its couplings. */
@@ -252,31 +250,6 @@ static bool order_pieces(const struct sparse *a, int *order) {
     return good;
 }
 
-struct place { /* of a node along its piece */
-    int node;
-    double at;
-};
-
-static int compare_places(const void *a, const void *b) {
-    const struct place *x = a, *y = b;
-    if (x->at != y->at) return x->at < y->at ? -1 : 1;
-    return x->node - y->node;
-}
-
-/* Moves every node to the mean place of its neighbours: fronts of equal places become straight, and
- * short. */
-static void smooth_places(const struct sparse *a, struct place *place, double *mean) {
-    for (int i = 0; i < a->rows; i++) {
-        double sum = 0.0, all = 0.0;
-        for (int k = a->start[i]; k < a->start[i + 1]; k++) {
-            double coupling = fabs((double)a->entry[k].value);
-            sum += coupling * place[a->entry[k].column].at, all += coupling;
-        }
-        mean[i] = all > 0.0 ? sum / all : place[i].at;
-    }
-    for (int i = 0; i < a->rows; i++) place[i].at = mean[i];
-}
-
 /* The size of a skyline factor with these indices, in blocks. */
 static long profile_of(const struct sparse *a, const int *index) {
     long sum = 0;
@@ -292,24 +265,18 @@ static long profile_of(const struct sparse *a, const int *index) {
 /* Gives coupled nodes close indices: along their pieces, if that makes the profile smaller. */
 static pdyn_status order_nodes(const struct sparse *a, struct sparse *I) {
     const pdyn_services *c = a->services;
-    int n = a->rows, *index = NEW(c, n, int);
-    struct place *place = NEW(c, n, struct place);
-    double *mean = NEW(c, n, double);
-    bool good = (!n || (index && place && mean)) && order_pieces(a, index);
-    if (good && n) {
-        for (int k = 0; k < n; k++) place[index[k]] = (struct place){index[k], (double)k};
-        for (int k = 0; k < SMOOTHING_SWEEPS; k++) smooth_places(a, place, mean);
-        qsort(place, (size_t)n, sizeof *place, compare_places);
+    int n = a->rows, *order = NEW(c, n, int), *index = NEW(c, n, int);
+    bool good = (!n || (order && index)) && order_pieces(a, order);
+    if (good) {
         for (int k = 0; k < n; k++) index[k] = k;
         long before = profile_of(a, index);
-        for (int k = 0; k < n; k++) index[place[k].node] = k;
+        for (int k = 0; k < n; k++) index[order[k]] = k;
         bool better = profile_of(a, index) < before;
         for (int k = 0; better && k < I->start[I->rows]; k++)
             I->entry[k].column = index[I->entry[k].column];
     }
+    FREE(c, order, n);
     FREE(c, index, n);
-    FREE(c, place, n);
-    FREE(c, mean, n);
     return good ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
