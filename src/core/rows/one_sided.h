@@ -75,10 +75,11 @@ void one_sided_persist(struct one_sided *s, struct snapshot_file *snapshot);
 void one_sided_forces(struct one_sided *s, double *y);
 /* y += the impact parts of the forces. The caller has set, for constraints that act, `rate` to
  * grad C_i . (velocities before the step minus those after it), m/s, `multiplier` to grad C_i .
- * (velocities after the step), m/s, and `reached` to grad C_i . (the gradient of one_sided_forces
- * over the masses), m/s^2. mass: kg, of a particle of the body; h: s; taken: the part of the
- * impulses of impacts that the caller takes off the velocities; solved: the forces are those of a
- * solved step. Returns the number of forces of which the impact is the greater part. */
+ * (velocities after the step), m/s, or to -INFINITY where that is not known, and `reached` to grad
+ * C_i . (the gradient of one_sided_forces over the masses), m/s^2. mass: kg, of a particle of the
+ * body; h: s; taken: the part of the impulses of impacts that the caller takes off the velocities;
+ * solved: the forces are those of a solved step. Returns the number of forces of which the impact
+ * is the greater part. */
 int one_sided_impacts(struct one_sided *s, double mass, double h, double taken, bool solved,
                       double *y);
 
