@@ -103,25 +103,13 @@ static void check_sums(const struct kernel_model *model, int count, const double
     check_distance(model, count, x, area);
 }
 
-/* A square of 2 m x 2 m, of strips of two triangles each. The areas of its points sum to its area.
- * Memory is spent on points, not on places to choose from. */
-static void check_areas(int strips) {
-    enum { STRIPS = 40 };
-    double vertex[6 * (STRIPS + 1)];
-    int triangle[6 * STRIPS];
+/* The areas of the points of a square of 2 m x 2 m sum to its area. Memory is spent on points, not
+ * on places to choose from. */
+static void check_areas(const struct mesh *mesh) {
     pdyn_context *context = test_context(1);
     struct surface_points points = {0};
     const struct boundary_model *model = choices_entry(&boundary_choices, 0);
-    for (int k = 0; k < 2 * (strips + 1); k++) {
-        const double at[3] = {k % 2 ? 2.0 : 0.0, 0.0, k / 2 * 2.0 / strips};
-        memcpy(vertex + 3 * k, at, sizeof at);
-    }
-    for (int k = 0; k < strips; k++) {
-        const int corner[6] = {2 * k, 2 * k + 1, 2 * k + 3, 2 * k, 2 * k + 3, 2 * k + 2};
-        memcpy(triangle + 6 * k, corner, sizeof corner);
-    }
-    const struct mesh mesh = {2 * (strips + 1), vertex, 2 * strips, triangle};
-    assert_int_equal(sample_triangles(context, "sheet", &mesh, model->mesh_spacing * d, &points),
+    assert_int_equal(sample_triangles(context, "sheet", mesh, model->mesh_spacing * d, &points),
                      PDYN_OK);
     assert_in_range(pdyn_peak_bytes(context) / (size_t)points.count, 0, 512);
     double *x = malloc(3 * (size_t)points.count * sizeof *x),
@@ -129,7 +117,7 @@ static void check_areas(int strips) {
     double all = 0.0;
     assert_true(x && area);
     for (int k = 0; k < points.count; k++) {
-        surface_point_position(&points.point[k], &mesh, x + 3 * k);
+        surface_point_position(&points.point[k], mesh, x + 3 * k);
         all += area[k] = points.point[k].area;
     }
     assert_true(fabs(all - 4.0) < 1e-9);
@@ -140,10 +128,43 @@ static void check_areas(int strips) {
     pdyn_destroy(context);
 }
 
+/* Strips of two triangles each. */
+static void check_strips(int strips) {
+    enum { STRIPS = 40 };
+    double vertex[6 * (STRIPS + 1)];
+    int triangle[6 * STRIPS];
+    for (int k = 0; k < 2 * (strips + 1); k++) {
+        const double at[3] = {k % 2 ? 2.0 : 0.0, 0.0, k / 2 * 2.0 / strips};
+        memcpy(vertex + 3 * k, at, sizeof at);
+    }
+    for (int k = 0; k < strips; k++) {
+        const int corner[6] = {2 * k, 2 * k + 1, 2 * k + 3, 2 * k, 2 * k + 3, 2 * k + 2};
+        memcpy(triangle + 6 * k, corner, sizeof corner);
+    }
+    check_areas(&(struct mesh){2 * (strips + 1), vertex, 2 * strips, triangle});
+}
+
 static void test_areas(void **state) {
     (void)state;
-    check_areas(1);
-    check_areas(40); /* long triangles */
+    check_strips(1);
+    check_strips(40); /* long triangles */
+}
+
+/* The end of a cylinder of a drawing program: all triangles meet in the middle. */
+static void test_fan(void **state) {
+    (void)state;
+    enum { SIDE = 30, RIM = 4 * SIDE };
+    double vertex[3 * (RIM + 1)] = {1.0, 0.0, 1.0};
+    int triangle[3 * RIM];
+    for (int k = 0; k < RIM; k++) {
+        double along = 2.0 * (k % SIDE) / SIDE;
+        const double side[4][3] = {
+            {along, 0, 0}, {2, 0, along}, {2 - along, 0, 2}, {0, 0, 2 - along}};
+        const int corner[3] = {0, 1 + k, 1 + (k + 1) % RIM};
+        memcpy(vertex + 3 * (k + 1), side[k / SIDE], sizeof side[0]);
+        memcpy(triangle + 3 * k, corner, sizeof corner);
+    }
+    check_areas(&(struct mesh){RIM + 1, vertex, RIM, triangle});
 }
 
 /* The cost of a ribbon is that of its area and sides, and its points cover it. */
@@ -288,9 +309,10 @@ static void test_displaced(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernel),  cmocka_unit_test(test_areas),
-        cmocka_unit_test(test_ribbon),  cmocka_unit_test(test_large_surface),
-        cmocka_unit_test(test_lattice), cmocka_unit_test(test_displaced),
+        cmocka_unit_test(test_kernel),        cmocka_unit_test(test_areas),
+        cmocka_unit_test(test_fan),           cmocka_unit_test(test_ribbon),
+        cmocka_unit_test(test_large_surface), cmocka_unit_test(test_lattice),
+        cmocka_unit_test(test_displaced),
     };
     return cmocka_run_group_tests_name("interface", tests, NULL, NULL);
 }

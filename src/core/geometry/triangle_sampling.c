@@ -22,65 +22,76 @@ void surface_point_position(const struct surface_point *point, const struct mesh
                point->weight[2] * (c[2][a] - c[0][a]);
 }
 
-/* ---- candidates ------------------------------------------------------------------------------ */
-
-/* Candidates lie at the corners of small parts of a triangle, at most a quarter spacing long. An
- * ordinary triangle has a lattice of barycentric coordinates with `cuts` parts along each side. A
- * long one has rows along its longest side instead, each with as many parts as its length needs:
- *
- *           apex                             row `rows`: one candidate
- *             o---o---o---o                  row 1
- *     o---o---o---o---o---o---o              row 0: `cuts` parts, the longest side
+/* ---- parts of triangles -----------------------------------------------------------------------
  */
-struct pattern {
-    double cuts;
-    double rows; /* 0: a lattice */
-    int apex;    /* corner opposite to the longest side */
+
+/* A part of a triangle. A lattice cuts its sides into equal pieces, at most a quarter spacing long.
+ * A long part, whose lattice would be much finer across than along, is halved across its longest
+ * side, again and again:
+ *
+ *                 .o
+ *           . o'   |
+ *     o ------+----o
+ */
+struct part {
+    double corner[3][3]; /* m */
+    double weight[3][3]; /* barycentric coordinates of the corners */
 };
 
-/* A triangle is long if a lattice has at least this factor more candidates than rows have. */
-static const double long_factor = 8.0;
+typedef void part_fn(void *arg, const struct part *part, double cuts);
+
+static const double long_side = 4.0; /* longest side over height of a long part */
+static const double few_cuts = 8.0;  /* parts with so few are not halved */
 
 static double count_lattice(double cuts) { return 0.5 * (cuts + 1.0) * (cuts + 2.0); }
-/* An upper bound. */
-static double count_rows(double cuts, double rows) { return (rows + 1.0) * (0.5 * cuts + 2.0); }
-static double count_candidates(const struct pattern *p) {
-    return p->rows > 0.0 ? count_rows(p->cuts, p->rows) : count_lattice(p->cuts);
+
+/* Moves corner k of a part to the middle between corners k and l. */
+static void move_corner(struct part *part, int k, int l) {
+    for (int a = 0; a < 3; a++) {
+        part->corner[k][a] = 0.5 * (part->corner[k][a] + part->corner[l][a]);
+        part->weight[k][a] = 0.5 * (part->weight[k][a] + part->weight[l][a]);
+    }
 }
 
-static struct pattern pattern_of(const double *const c[3], double spacing) {
-    const double part = 0.25 * spacing;
+/* Calls fn for the part, or for the parts that a long one is cut into. */
+static void for_parts(const struct part *part, double spacing, part_fn *fn, void *arg) {
+    int apex = 0; /* opposite to the longest side */
     double longest = 0.0, normal[3];
-    struct pattern p = {0};
     for (int k = 0; k < 3; k++) {
-        double side = vec3_distance(c[(k + 1) % 3], c[(k + 2) % 3]);
-        if (side > longest) longest = side, p.apex = k;
+        double side = vec3_distance(part->corner[(k + 1) % 3], part->corner[(k + 2) % 3]);
+        if (side > longest) longest = side, apex = k;
     }
-    p.cuts = fmax(1.0, ceil(longest / part));
-    vec3_normal(normal, c[0], c[1], c[2]);
-    double height = longest > 0.0 ? vec3_length(normal) / longest : 0.0;
-    double rows = fmax(1.0, ceil(height / part));
-    if (count_lattice(p.cuts) > long_factor * count_rows(p.cuts, rows)) p.rows = rows;
-    return p;
+    double cuts = fmax(1.0, ceil(longest / (0.25 * spacing)));
+    vec3_normal(normal, part->corner[0], part->corner[1], part->corner[2]);
+    if (!(cuts > few_cuts && longest * longest > long_side * vec3_length(normal))) {
+        fn(arg, part, cuts);
+        return;
+    }
+    for (int k = 1; k <= 2; k++) {
+        struct part half = *part;
+        move_corner(&half, (apex + k) % 3, (apex + 3 - k) % 3);
+        for_parts(&half, spacing, fn, arg);
+    }
+}
+
+static void for_parts_of(const struct mesh *mesh, int triangle, double spacing, part_fn *fn,
+                         void *arg) {
+    struct part part = {.weight = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}};
+    const double *c[3];
+    mesh_corners(mesh, triangle, c);
+    for (int k = 0; k < 3; k++) memcpy(part.corner[k], c[k], sizeof part.corner[k]);
+    for_parts(&part, spacing, fn, arg);
+}
+
+static void count_part(void *arg, const struct part *part, double cuts) {
+    (void)part;
+    *(double *)arg += count_lattice(cuts);
 }
 
 static double count_all(const struct mesh *mesh, double spacing) {
     double count = 0.0;
-    for (int t = 0; t < mesh->triangles; t++) {
-        const double *c[3];
-        mesh_corners(mesh, t, c);
-        struct pattern p = pattern_of(c, spacing);
-        count += count_candidates(&p);
-    }
+    for (int t = 0; t < mesh->triangles; t++) for_parts_of(mesh, t, spacing, count_part, &count);
     return count;
-}
-
-/* Barycentric coordinates of a long triangle: `up` from 0, the longest side, to 1, the apex, and
- * `along` from 0 to 1. */
-static void weights_in_row(const struct pattern *p, double up, double along, double *weight) {
-    weight[p->apex] = up;
-    weight[(p->apex + 2) % 3] = (1.0 - up) * along;
-    weight[(p->apex + 1) % 3] = (1.0 - up) * (1.0 - along);
 }
 
 /* ---- selection ------------------------------------------------------------------------------- */
@@ -89,6 +100,7 @@ static void weights_in_row(const struct pattern *p, double up, double along, dou
 struct selection {
     pdyn_context *context;
     const struct mesh *mesh;
+    int triangle; /* that candidates are from */
     struct poisson_disk set;
     struct surface_points *points;
     pdyn_status status; /* after a failure nothing more is selected */
@@ -105,8 +117,8 @@ static pdyn_status add_point(pdyn_context *context, struct surface_points *point
     return PDYN_OK;
 }
 
-static void offer(struct selection *s, int triangle, const double weight[3]) {
-    struct surface_point point = {.triangle = triangle};
+static void offer(struct selection *s, const double weight[3]) {
+    struct surface_point point = {.triangle = s->triangle};
     double x[3];
     bool taken;
     if (s->status != PDYN_OK) return;
@@ -116,21 +128,16 @@ static void offer(struct selection *s, int triangle, const double weight[3]) {
     if (s->status == PDYN_OK && taken) s->status = add_point(s->context, s->points, &point);
 }
 
-static void offer_rows(struct selection *s, const struct pattern *p, int triangle) {
-    for (double i = 0; i <= p->rows; i++) {
-        double weight[3], up = i / p->rows, cuts = ceil(p->cuts * (1.0 - up));
-        for (double j = 0; j <= cuts; j++) {
-            weights_in_row(p, up, j / fmax(1.0, cuts), weight);
-            offer(s, triangle, weight);
+/* Offers the corners of a lattice. */
+static void offer_part(void *arg, const struct part *part, double cuts) {
+    for (double i = 0; i <= cuts; i++)
+        for (double j = 0; i + j <= cuts; j++) {
+            double weight[3] = {0};
+            vec3_add(weight, 1.0 - (i + j) / cuts, part->weight[0]);
+            vec3_add(weight, i / cuts, part->weight[1]);
+            vec3_add(weight, j / cuts, part->weight[2]);
+            offer(arg, weight);
         }
-    }
-}
-
-static void offer_lattice(struct selection *s, const struct pattern *p, int triangle) {
-    for (double i = 0; i <= p->cuts; i++)
-        for (double j = 0; i + j <= p->cuts; j++)
-            offer(s, triangle,
-                  (const double[3]){1.0 - (i + j) / p->cuts, i / p->cuts, j / p->cuts});
 }
 
 /* Refuses a surface that would take too long. */
@@ -147,13 +154,8 @@ static pdyn_status check_size(const char *name, const struct mesh *mesh, double 
 
 /* Selects from the candidates of all triangles. */
 static void select_points(struct selection *s, double spacing) {
-    const double *c[3];
-    for (int t = 0; t < s->mesh->triangles; t++) {
-        mesh_corners(s->mesh, t, c);
-        struct pattern p = pattern_of(c, spacing);
-        if (p.rows > 0.0) offer_rows(s, &p, t);
-        else offer_lattice(s, &p, t);
-    }
+    for (s->triangle = 0; s->triangle < s->mesh->triangles; s->triangle++)
+        for_parts_of(s->mesh, s->triangle, spacing, offer_part, s);
 }
 
 /* ---- area of points -------------------------------------------------------------------------- */
@@ -185,44 +187,22 @@ static void share(struct sharing *s, const double *at, double area) {
     if (point >= 0) s->points->point[point].area += area;
 }
 
-/* The parts of a lattice are triangles of equal area. */
-static void share_lattice(struct sharing *s, const double *const c[3], double cuts, double area) {
-    double u[3], v[3];
-    for (int a = 0; a < 3; a++) u[a] = c[1][a] - c[0][a], v[a] = c[2][a] - c[0][a];
+/* The cells of a lattice are triangles of equal area. */
+static void share_part(void *arg, const struct part *part, double cuts) {
+    double u[3], v[3], normal[3];
+    vec3_normal(normal, part->corner[0], part->corner[1], part->corner[2]);
+    vec3_subtract(u, part->corner[1], part->corner[0]);
+    vec3_subtract(v, part->corner[2], part->corner[0]);
+    double area = 0.5 * vec3_length(normal);
     for (double i = 0; i < cuts; i++)
         for (double j = 0; i + j < cuts; j++)
             for (double third = 1.0; third <= 2.0 && i + j + third <= cuts; third++) {
                 double at[3];
-                memcpy(at, c[0], sizeof at);
+                memcpy(at, part->corner[0], sizeof at);
                 vec3_add(at, (i + third / 3.0) / cuts, u);
                 vec3_add(at, (j + third / 3.0) / cuts, v);
-                share(s, at, area / (cuts * cuts));
+                share(arg, at, area / (cuts * cuts));
             }
-}
-
-/* The parts of a long triangle are cells between two rows, with equal areas along the rows. */
-static void share_rows(struct sharing *s, const double *const c[3], const struct pattern *p,
-                       double area) {
-    for (double i = 0; i < p->rows; i++) {
-        double up = (i + 0.5) / p->rows, cells = fmax(1.0, ceil(p->cuts * (1.0 - up)));
-        double each = area * (2.0 * (p->rows - i) - 1.0) / (p->rows * p->rows * cells);
-        for (double j = 0; j < cells; j++) {
-            double at[3] = {0}, weight[3];
-            weights_in_row(p, up, (j + 0.5) / cells, weight);
-            for (int k = 0; k < 3; k++) vec3_add(at, weight[k], c[k]);
-            share(s, at, each);
-        }
-    }
-}
-
-static void share_triangle(struct sharing *s, const double *const c[3], double spacing) {
-    double normal[3];
-    struct pattern p = pattern_of(c, spacing);
-    vec3_normal(normal, c[0], c[1], c[2]);
-    double area = 0.5 * vec3_length(normal);
-    s->cells = (struct grid_cells){0};
-    if (p.rows > 0.0) share_rows(s, c, &p, area);
-    else share_lattice(s, c, p.cuts, area);
 }
 
 /* Computes the areas of all points. A place of the surface has a point within 1.1 spacing. */
@@ -233,9 +213,8 @@ static pdyn_status share_surface(pdyn_context *context, const struct mesh *mesh,
     if (status == PDYN_OK) status = grid_sort(&grid, points->count, NULL, x);
     struct sharing sharing = {&grid, x, points, {0}};
     for (int t = 0; status == PDYN_OK && t < mesh->triangles; t++) {
-        const double *c[3];
-        mesh_corners(mesh, t, c);
-        share_triangle(&sharing, c, spacing);
+        sharing.cells = (struct grid_cells){0};
+        for_parts_of(mesh, t, spacing, share_part, &sharing);
     }
     grid_free(context, &grid);
     return status;
@@ -243,7 +222,7 @@ static pdyn_status share_surface(pdyn_context *context, const struct mesh *mesh,
 
 pdyn_status sample_triangles(pdyn_context *context, const char *name, const struct mesh *mesh,
                              double spacing, struct surface_points *out) {
-    struct selection s = {context, mesh, {.distance = 0.75 * spacing}, out, PDYN_OK};
+    struct selection s = {context, mesh, 0, {.distance = 0.75 * spacing}, out, PDYN_OK};
     s.status = check_size(name, mesh, spacing);
     if (s.status == PDYN_OK) select_points(&s, spacing);
     if (s.status == PDYN_OK && out->count)
