@@ -23,6 +23,28 @@ static int next_option(int argc, char **argv, const char *letters, const struct 
     return option;
 }
 
+bool is_near(const char *a, const char *b, int edits) {
+    while (*a && *a == *b) a++, b++;
+    if (!*a && !*b) return true;
+    if (!edits) return false;
+    return (*a && is_near(a + 1, b, edits - 1)) || (*b && is_near(a, b + 1, edits - 1)) ||
+           (*a && *b && is_near(a + 1, b + 1, edits - 1));
+}
+
+/* Prints the option that is at most two edits away from an unknown one, --NAME or --NAME=VALUE; one
+ * edit for short names. */
+static void suggest_option(const char *unknown, const struct option *options) {
+    char name[32];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(unknown + 2, "="), unknown + 2);
+    int most = strlen(name) < 5 ? 1 : 2;
+    for (int edits = 1; edits <= most; edits++)
+        for (const struct option *o = options; o->name; o++)
+            if (is_near(name, o->name, edits)) {
+                fprintf(stderr, "did you mean --%s? ", o->name);
+                return;
+            }
+}
+
 int parse_options(int argc, char **argv, const char *letters, const struct option *options,
                   const char *usage, bool (*accept)(void *self, int option), void *self) {
     int option;
@@ -32,6 +54,7 @@ int parse_options(int argc, char **argv, const char *letters, const struct optio
             return EXIT_GOOD;
         }
         if (option == '?') {
+            if (!optopt) suggest_option(argv[optind - 1], options);
             fprintf(stderr, "'projdyn help %s' prints the options.\n", argv[0]);
             return EXIT_BAD_INPUT;
         }
@@ -118,8 +141,12 @@ int report_write_error(const char *path) {
     return EXIT_FAILED;
 }
 
-int report_usage(const char *command, const char *expected, const char *usage) {
-    fprintf(stderr, "projdyn: %s: expected %s\n\n%s", command, expected, usage);
+int report_usage(char **argv, const char *expected, const char *usage) {
+    char **found = argv + optind;
+    fprintf(stderr, "projdyn: %s: expected %s, found%s", argv[0], expected, *found ? "" : " none");
+    for (; *found; found++) fprintf(stderr, " \"%s\"", *found);
+    fprintf(stderr, "\n%.*s\n'projdyn help %s' prints the options.\n",
+            (int)(strstr(usage, "\n\n") - usage), usage, argv[0]);
     return EXIT_BAD_INPUT;
 }
 

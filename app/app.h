@@ -33,6 +33,10 @@ char *default_output(const char *prefix, const char *scene);
 int parse_options(int argc, char **argv, const char *letters, const struct option *options,
                   const char *usage, bool (*accept)(void *self, int option), void *self);
 
+/* Whether the edit distance (insertions, deletions, substitutions) of two words is at most
+ * `edits`. */
+bool is_near(const char *a, const char *b, int edits);
+
 /* Parses the integer argument of an option, min <= *out <= max; false with a message otherwise. */
 bool parse_integer(const char *option, const char *text, int min, int max, int *out);
 
@@ -50,8 +54,9 @@ void print_shortest(char text[32], double value);
  * report_write_error() appends the text of errno. */
 int report_no_memory(void);
 int report_write_error(const char *path);
-/* Prints what a command expected as its arguments, and its usage; returns EXIT_BAD_INPUT. */
-int report_usage(const char *command, const char *expected, const char *usage);
+/* Prints what a command expected as its arguments, those behind its options, and the first
+ * paragraph of its usage; returns EXIT_BAD_INPUT. */
+int report_usage(char **argv, const char *expected, const char *usage);
 
 /* A path as a word of a command line that a message suggests: in quotes where the shell needs them,
  * shortened beyond the size. */

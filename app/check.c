@@ -108,8 +108,7 @@ int check_main(int argc, char **argv) {
     int code = parse_options(argc, argv, "h", long_options, usage, accept_option, &check);
     if (code < 0 && argc - optind != !check.conformance)
         code = report_usage(
-            "check", check.conformance ? "no scene file with --conformance" : "one scene file",
-            usage);
+            argv, check.conformance ? "no scene file with --conformance" : "one scene file", usage);
     check.scene.scene = argv[optind];
     if (code < 0)
         code = check.conformance ? check_plugins_in_child(&check.scene) : check_scene(&check);

@@ -77,7 +77,7 @@ static int parse(struct compare *c, int argc, char **argv) {
     int code = parse_options(argc, argv, "h", long_options, usage, accept_option, c);
     if (code >= 0) return code;
     if (argc - optind != 1 || c->benchmark.solvers < 2)
-        return report_usage("compare", "one scene file and two solvers or more", usage);
+        return report_usage(argv, "one scene file and two solvers or more", usage);
     c->benchmark.scene.scene = argv[optind];
     return -1;
 }

@@ -22,7 +22,7 @@ int list_main(int argc, char **argv) {
     struct scene_options options = {0};
     pdyn_context *context = NULL;
     int code = parse_options(argc, argv, "h", long_options, usage, accept_option, &options);
-    if (code < 0 && argc - optind > 1) code = report_usage("list", "at most one type", usage);
+    if (code < 0 && argc - optind > 1) code = report_usage(argv, "at most one type", usage);
     if (code < 0) {
         code = scene_context(&options, &context);
         pdyn_status status = code ? PDYN_OK : pdyn_describe(context, argv[optind], print, stdout);

@@ -38,16 +38,6 @@ static void print_usage(FILE *out) {
                  "'projdyn --version' prints version and solvers.\n");
 }
 
-/* Whether the edit distance (insertions, deletions, substitutions) of two words is at most
- * `edits`. */
-static bool is_near(const char *a, const char *b, int edits) {
-    while (*a && *a == *b) a++, b++;
-    if (!*a && !*b) return true;
-    if (!edits) return false;
-    return (*a && is_near(a + 1, b, edits - 1)) || (*b && is_near(a, b + 1, edits - 1)) ||
-           (*a && *b && is_near(a + 1, b + 1, edits - 1));
-}
-
 /* Message for an unknown command, with the command that is at most two edits away. */
 static int report_unknown(const char *name) {
     const char *near = NULL;

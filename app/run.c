@@ -146,7 +146,7 @@ static int parse(struct run_options *o, int argc, char **argv) {
     int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, o);
     if (code >= 0) return code;
     if (o->resume) return read_resume_options(o, argc - optind);
-    if (argc - optind != 1) return report_usage("run", "one scene file", usage);
+    if (argc - optind != 1) return report_usage(argv, "one scene file", usage);
     if (o->output && !*o->output) {
         fprintf(stderr, "projdyn: --output: found an empty text, expected a directory\n");
         return EXIT_BAD_INPUT;

@@ -354,7 +354,7 @@ int run_to_file(int argc, char **argv, const char *usage, const char *file,
     char path[RUN_PATH];
     int code = parse_options(argc, argv, "o:h", long_options, usage, accept_output, &output);
     if (code >= 0) return code;
-    if (argc - optind != 1) return report_usage(argv[0], "one directory", usage);
+    if (argc - optind != 1) return report_usage(argv, "one directory", usage);
     struct run run = {.directory = argv[optind]};
     if (!output && !run_path(path, &run, file, ""))
         return run_error("%s: the path is too long", run.directory);

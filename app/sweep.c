@@ -111,7 +111,7 @@ static int parse(struct sweep *s, int argc, char **argv) {
     int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, s);
     if (code >= 0) return code;
     if (argc - optind != 1 || !s->grid.axes)
-        return report_usage("sweep", "one scene file and at least one --set", usage);
+        return report_usage(argv, "one scene file and at least one --set", usage);
     s->jobs.scene.scene = argv[optind];
     return complete_options(s);
 }

@@ -113,6 +113,10 @@ expect "run without a fluid" 0 "s of wall time, residual " "$program" run "$root
 expect "help of an unknown command" 2 'did you mean "check"' "$program" help chekc
 expect "unknown option" 2 "projdyn: unrecognized option '--frobnicate'" "$program" run "$scene" --frobnicate
 expect "unknown option: where options are" 2 "'projdyn help run' prints the options" "$program" run "$scene" --frobnicate
+expect "misspelt option" 2 "did you mean --output? 'projdyn help run'" "$program" run "$scene" --ouput=x
+expect "short option that is none" 1 "" sh -c "'$program' run '$scene' --size 9 2>&1 | grep 'did you mean'"
+expect "one dash for two" 2 "expected one scene file, found \"$scene\" \"x\"" "$program" run "$scene" -out x
+expect "usage without a scene is short" 0 "" sh -c "test \$('$program' run 2>&1 | wc -l) = 4"
 expect "threads that are no number" 2 "from 1 to 1024" "$program" run "$scene" --threads two
 expect "negative time" 2 "seconds above 0" "$program" run "$scene" --time -1
 for time in 0 nan inf 1s ''; do

@@ -159,7 +159,7 @@ int mesh_main(int argc, char **argv) {
     struct mesh_options options = {surface_formats, 0, LONG_MAX, usable_cores()};
     int code = parse_options(argc, argv, "h", long_options, usage, accept_option, &options);
     if (code >= 0) return code;
-    if (argc - optind != 1) return report_usage("mesh", "one directory", usage);
+    if (argc - optind != 1) return report_usage(argv, "one directory", usage);
     struct run run = {.directory = argv[optind]};
     code = mesh_run(&run, &options);
     run_close(&run);

@@ -295,7 +295,7 @@ int render_main(int argc, char **argv) {
     int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, &options);
     if (code >= 0) return code;
     if (argc - optind != 1 || !options.output)
-        return report_usage("render", "one directory and -o FILE", usage);
+        return report_usage(argv, "one directory and -o FILE", usage);
     if (!film_find_format(options.output, &format))
         return run_error("render: %s: expected a name that ends with .png, .mp4, .webm or .gif",
                          options.output);

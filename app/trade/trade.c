@@ -154,7 +154,7 @@ static int parse(struct options *o, int argc, char **argv) {
                                                  {0}};
     int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, o);
     if (code >= 0) return code;
-    if (argc - optind != 1) return report_usage("trade", "one scene file", usage);
+    if (argc - optind != 1) return report_usage(argv, "one scene file", usage);
     if (o->target.write && !isfinite(o->target.max_error) && !isfinite(o->target.max_ms)) {
         fprintf(stderr, "projdyn: --write: expected --error or --budget as well\n");
         return EXIT_BAD_INPUT;

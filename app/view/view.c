@@ -54,7 +54,7 @@ int view_main(int argc, char **argv) {
                                                  {0}};
     struct view_options o = {.server = {.open_browser = true}};
     int code = parse_options(argc, argv, "h", long_options, usage, accept_option, &o);
-    if (code < 0 && argc - optind != 1) code = report_usage("view", "one scene file", usage);
+    if (code < 0 && argc - optind != 1) code = report_usage(argv, "one scene file", usage);
     if (code < 0) {
         o.scene.scene = argv[optind];
         code = view(&o);
