@@ -165,6 +165,14 @@ static const struct {
     {"bodies.shet.velocity=[0, 0, 1]",
      "--set bodies.shet.velocity=[0, 0, 1]: no element \"shet\"; did you mean \"sheet\"?; "
      "known: 0 (water), 1 (sheet)"},
+    {"water.velocity=[0, 0, 1]",
+     "--set water.velocity=[0, 0, 1]: unknown key \"water\"; did you mean \"bodies.water\"?"},
+    {"bodies.sheet.spring.stretching_stiffness=1",
+     "--set bodies.sheet.spring.stretching_stiffness=1: bodies[1]: unknown key \"spring\"; did you "
+     "mean \"constraints.spring\"?"},
+    {"bodies.water.viscosity=1",
+     "--set bodies.water.viscosity=1: bodies[0]: unknown key \"viscosity\"; did you mean "
+     "\"constraints\"?; known: *"},
     {"bodies.7.velocity=[0, 0, 1]",
      "--set bodies.7.velocity=[0, 0, 1]: no element \"7\"; known: 0 (water), 1 (sheet)"},
     {"bodies.sheet.constraints.pin.stiffness=1",

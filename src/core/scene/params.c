@@ -31,13 +31,31 @@ static int list_keys(const pdyn_param *table, const char *const *others, const c
     return count;
 }
 
+static bool has_text(const json_t *object, const char *key, const char *text) {
+    const char *found = json_string_value(json_object_get(object, key));
+    return found && !strcmp(found, text);
+}
+
+/* The key of an array of the object, one of whose elements has this name or type; NULL: none. */
+static const char *array_of(json_t *object, const char *name) {
+    const char *key;
+    json_t *array, *element;
+    size_t k;
+    json_object_foreach(object, key, array) json_array_foreach(array, k, element) {
+        if (has_text(element, "name", name) || has_text(element, "type", name)) return key;
+    }
+    return NULL;
+}
+
 static pdyn_status fail_unknown(const struct json_at *at, const pdyn_param *table,
                                 const char *const *others) {
-    const char *names[KEYS];
+    const char *names[KEYS], *array = array_of(at->parent->value, at->key);
     char hint[768] = "", key[64];
     int count = list_keys(table, others, names);
-    text_hint(hint, sizeof hint, at->key, names, count);
     text_clip(key, sizeof key, at->key);
+    if (array && is_known(table, others, array))
+        text_append(hint, sizeof hint, "; did you mean \"%s.%s\"?", array, key);
+    else text_hint(hint, sizeof hint, at->key, names, count);
     return json_fail_at_key(at, "unknown key \"%s\"%s", key, hint);
 }
 
