@@ -285,7 +285,7 @@ static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o
     code = close_output(context, writer, o, status, interrupted);
     if (code != EXIT_GOOD) return code;
     if (interrupted) print_interrupted(sim, o);
-    if (o->quiet) run_print_warnings(sim, stderr);
+    if (o->quiet) run_print_grown_warnings(sim);
     else run_print_summary(sim, o->output, &totals);
     return interrupted ? EXIT_INTERRUPTED : warnings_exit_code(sim, o->strict);
 }

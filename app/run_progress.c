@@ -56,13 +56,17 @@ void run_show_progress(const pdyn_step_info *info, struct run_totals *t) {
                 info->linear_iterations);
 }
 
-void run_print_warnings(const pdyn_sim *sim, FILE *to) {
+static void print_warning(const pdyn_warning *w, const char *prefix, FILE *to) {
+    fprintf(to, "%swarning: %s%s%s", prefix, w->subject, *w->subject ? ": " : "", w->text);
+    if (w->last > w->first) fprintf(to, ", from %.4g to %.4g s", w->first, w->last);
+    else if (w->last > 0.0) fprintf(to, ", at %.4g s", w->last);
+    fprintf(to, " [%s]\n", w->code);
+}
+
+void run_print_grown_warnings(const pdyn_sim *sim) {
     pdyn_warning w;
     for (int k = 0; (w = pdyn_get_warning(sim, k)).code; k++)
-        if (w.last > w.first)
-            fprintf(to, "%swarning: %s%s%s, from %.4g to %.4g s [%s]\n",
-                    to == stderr ? "projdyn: " : "", w.subject, *w.subject ? ": " : "", w.text,
-                    w.first, w.last, w.code);
+        if (w.last > w.first) print_warning(&w, "projdyn: ", stderr);
 }
 
 void run_print_summary(const pdyn_sim *sim, const char *output, const struct run_totals *t) {
@@ -76,7 +80,8 @@ void run_print_summary(const pdyn_sim *sim, const char *output, const struct run
         printf("density error %.4f%% (mean over all steps), %.4f%% (largest mean of a step)\n",
                t->steps ? 100.0 * t->density_error_sum / (double)t->steps : 0.0,
                100.0 * t->density_error_max);
-    run_print_warnings(sim, stdout);
+    pdyn_warning w;
+    for (int k = 0; (w = pdyn_get_warning(sim, k)).code; k++) print_warning(&w, "", stdout);
     if (pdyn_get_warning(sim, 0).code)
         puts("docs/guide/troubleshooting.md explains warnings by their codes");
     printf("written to %s; next: projdyn replay %s\n", output, shell_word(output).text);

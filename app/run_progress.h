@@ -4,7 +4,6 @@
 
 #include "app.h"
 
-#include <stdio.h>
 
 struct run_totals {
     double start_s, progress_s; /* wall-clock times of the start and of the last progress line */
@@ -21,8 +20,9 @@ void run_totals_add(struct run_totals *totals, const pdyn_step_info *info);
 /* Shows the progress after a step: a bar on a terminal, otherwise one line per frame. */
 void run_show_progress(const pdyn_step_info *info, struct run_totals *totals);
 
-/* Prints the warnings that have grown since they were printed first, in their last form. */
-void run_print_warnings(const pdyn_sim *sim, FILE *to);
+/* Prints the warnings that have grown since they were printed first, in their last form, to
+ * stderr. */
+void run_print_grown_warnings(const pdyn_sim *sim);
 
 /* Prints a summary of the run in the directory `output`, and its warnings. */
 void run_print_summary(const pdyn_sim *sim, const char *output, const struct run_totals *totals);
