@@ -34,8 +34,11 @@ static void print_usage(FILE *out) {
                  "Projective Dynamics for fluids, cloth and solids in one solve.\n\n");
     for (int k = 0; k < COMMANDS; k++)
         fprintf(out, "  %-8s %s\n", commands[k].name, commands[k].summary);
-    fprintf(out, "\n'projdyn help COMMAND' prints the options of a command; "
-                 "'projdyn --version' prints version and solvers.\n");
+    fprintf(
+        out,
+        "\n'projdyn help COMMAND' prints the options of a command, 'projdyn list TYPE' the\n"
+        "parameters of a constraint, 'projdyn --version' version and solvers. In the source,\n"
+        "docs/guide/questions.md has short answers, docs/guide/scene.md all keys of a scene.\n");
 }
 
 /* Message for an unknown command, with the command that is at most two edits away. */
