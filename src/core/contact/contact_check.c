@@ -68,18 +68,28 @@ static void find_crossing(const double *p, const double *q, const double *a, con
     vec3_add(x, -vec3_dot(normal, ap) / vec3_dot(normal, pq), pq);
 }
 
+/* Length of the longest side of the box around a group, m. */
+static double extent_of_group(const struct contact *c, int group) {
+    struct box box = box_empty;
+    for (int i = 0; i < c->points; i++)
+        if (c->group[i] == group) box_add(&box, c->at + 3 * (size_t)i);
+    return box_extent(&box);
+}
+
+/* The message has the sizes because a mesh in millimetres intersects everything. */
 static pdyn_status fail_intersecting(const struct contact *c, int e, int f) {
     const int *edge = c->edge + 2 * e, *face = c->face + 3 * f;
     const double *at = c->at;
+    int one = c->group[edge[0]], other = c->group[face[0]];
     double x[3];
     find_crossing(at + 3 * edge[0], at + 3 * edge[1], at + 3 * face[0], at + 3 * face[1],
                   at + 3 * face[2], x);
     return set_error(
         PDYN_BAD_INPUT,
         "contact: at the start triangle %d of \"%s\" and triangle %d of \"%s\" intersect, near "
-        "(%.3g, %.3g, %.3g) m",
-        triangle_number(c, edge, 2), c->name[c->group[edge[0]]], triangle_number(c, face, 3),
-        c->name[c->group[face[0]]], x[0], x[1], x[2]);
+        "(%.3g, %.3g, %.3g) m; they are %.3g m and %.3g m long",
+        triangle_number(c, edge, 2), c->name[one], triangle_number(c, face, 3), c->name[other],
+        x[0], x[1], x[2], extent_of_group(c, one), extent_of_group(c, other));
 }
 
 static pdyn_status check_intersections(const struct contact *c) {
