@@ -30,6 +30,8 @@ expect "list one" 0 "where the floor is" "$program" list floor --plugin "$good"
 expect "twice the same" 0 "floor" "$program" list --plugin "$good" --plugin "$good"
 expect "missing file" 2 "nowhere.so: the plug-in cannot be loaded" "$program" list --plugin nowhere.so
 expect "no shared object" 2 "sheet.json: the plug-in cannot be loaded" "$program" list --plugin sheet.json
+echo 'int x;' >roof.c
+expect "source of a plug-in" 2 "compile it first: cc -shared" "$program" list --plugin roof.c
 expect "another abi" 2 "expected abi" "$program" list --plugin "$old"
 expect "no symbol" 2 "not a plug-in" "$program" list --plugin "$empty"
 cp "$good" floor.so && cp "$good" again.so

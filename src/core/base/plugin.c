@@ -9,9 +9,13 @@
 #include <string.h>
 
 static pdyn_status fail_load(const char *path) {
-    const char *why = dlerror();
-    return set_error(PDYN_BAD_INPUT, "%.1024s: the plug-in cannot be loaded: %s", path,
-                     why ? why : "unknown reason");
+    const char *why = dlerror(), *dot = strrchr(path, '.');
+    return set_error(PDYN_BAD_INPUT, "%.1024s: the plug-in cannot be loaded: %s%s", path,
+                     why ? why : "unknown reason",
+                     dot && !strcmp(dot, ".c")
+                         ? "; compile it first: cc -shared -fPIC "
+                           "$(pkg-config --cflags projdyn) -o NAME.so NAME.c -lm"
+                         : "");
 }
 
 /* Opens a shared object. dlopen searches system directories for a name without a slash; "./" in
