@@ -101,6 +101,15 @@ void print_shortest(char text[32], double value) {
     }
 }
 
+struct rounded_time rounded_time(double seconds) {
+    struct rounded_time t;
+    if (seconds < 10.0) snprintf(t.text, sizeof t.text, "%.2g s", seconds);
+    else if (seconds < 120.0) snprintf(t.text, sizeof t.text, "%.0f s", seconds);
+    else if (seconds < 7200.0) snprintf(t.text, sizeof t.text, "%.0f min", seconds / 60.0);
+    else snprintf(t.text, sizeof t.text, "%.0f h", seconds / 3600.0);
+    return t;
+}
+
 char *default_output(const char *prefix, const char *scene) {
     const char *slash = strrchr(scene, '/'), *base = slash ? slash + 1 : scene;
     size_t length = strlen(base);

@@ -49,6 +49,11 @@ bool parse_seconds(const char *option, const char *text, double longest, double 
 bool parse_frames(const char *text, long *first, long *last);
 /* Writes the shortest text that gives the same number. */
 void print_shortest(char text[32], double value);
+/* A duration for people: 4.2 s, 35 min, 18 h. */
+struct rounded_time {
+    char text[32];
+};
+struct rounded_time rounded_time(double seconds);
 
 /* Print a message to stderr and return EXIT_FAILED. report_no_memory() sets errno to ENOMEM;
  * report_write_error() appends the text of errno. */

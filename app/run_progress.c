@@ -34,12 +34,12 @@ static void show_bar(const pdyn_step_info *info, struct run_totals *t) {
     if (time - t->progress_s < 0.1) return;
     t->progress_s = time;
     int filled = (int)(10.0 * part);
+    double ms = 1e3 * (time - t->start_s) / (double)t->steps;
     char line[256], text[64];
-    snprintf(line, sizeof line,
-             "[%.*s%.*s] %.0f%% %.3f/%g s, ETA %.0f s, %s, %d outer, %.3g ms/step", filled,
-             "##########", 10 - filled, "..........", 100.0 * part, info->time, t->end,
-             (time - t->start_s) * (1.0 / part - 1.0), accuracy(info, t, "density", text),
-             info->outer_iterations, 1e3 * (time - t->start_s) / (double)t->steps);
+    snprintf(line, sizeof line, "[%.*s%.*s] %.0f%% %.3f/%g s, ETA %s, %s, %d outer, %.*f ms/step",
+             filled, "##########", 10 - filled, "..........", 100.0 * part, info->time, t->end,
+             rounded_time((time - t->start_s) * (1.0 / part - 1.0)).text,
+             accuracy(info, t, "density", text), info->outer_iterations, ms < 100.0 ? 2 : 0, ms);
     clear_progress();
     fprintf(stderr, "%.*s", terminal_columns() - 1, line);
 }

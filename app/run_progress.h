@@ -4,7 +4,6 @@
 
 #include "app.h"
 
-
 struct run_totals {
     double start_s, progress_s; /* wall-clock times of the start and of the last progress line */
     double end;                 /* s of simulated time, at which the run ends */

@@ -226,13 +226,6 @@ int print_scene_summary(const pdyn_context *context, const pdyn_sim *sim) {
 enum { FEW_STEPS = 5 };
 static const double trial_seconds = 0.5, few_seconds = 2.0;
 
-static void print_seconds(double seconds) {
-    if (seconds < 10.0) printf("%.2g s", seconds);
-    else if (seconds < 120.0) printf("%.0f s", seconds);
-    else if (seconds < 7200.0) printf("%.0f min", seconds / 60.0);
-    else printf("%.0f h", seconds / 3600.0);
-}
-
 /* Vertices, and particles that are in the scene. */
 static double count_points(const pdyn_sim *sim) {
     double count = 0.0;
@@ -281,7 +274,7 @@ int print_time_estimate(const pdyn_context *context, pdyn_sim *sim) {
     bool whole = pdyn_time(sim) >= duration;
     double usual = fmax(at_start, points / steps), growth = 1.0;
     if (usual > 0.0 && !whole) growth = mean_points(sim, at_start) / usual;
-    print_seconds(spent / steps * duration / h * growth);
+    printf("%s", rounded_time(spent / steps * duration / h * growth).text);
     if (growth > 1.0) printf(", with %.2g times as many particles by inlets,", growth);
     if (!whole) {
         printf(" if all is like the first %.2g s", pdyn_time(sim));

@@ -185,6 +185,8 @@ expect "the next command is one for the shell" 0 "1 frames written" \
     sh -c "$(sed -n 's/.*; next: //p' "$dir/next" | sed "s|^projdyn|'$program'|")"
 expect "default folder" 0 "written to out/pour;" sh -c "cd '$dir' && '$program' run '$scene' --time 0.01"
 if script -qec true /dev/null >/dev/null 2>&1; then
+    expect "a long run has its end in hours" 130 " h, density" script -qec \
+        "'$program' run '$scene' -o '$dir/out' --time 100000 --wall-time 1" /dev/null
     expect "progress on a terminal" 0 "ms/step" script -qec "'$program' run '$scene' -o '$dir/out' --time 0.1" /dev/null
     expect "quiet on a terminal" 0 "" script -qec "'$program' run '$scene' -o '$dir/out' --time 0.02 --quiet" /dev/null
 else
