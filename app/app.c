@@ -32,7 +32,7 @@ bool is_near(const char *a, const char *b, int edits) {
 }
 
 /* Prints the option that is at most two edits away from an unknown one, --NAME or --NAME=VALUE; one
- * edit for short names. */
+ * edit for short names. Without one: how a command that has --set changes keys of the scene. */
 static void suggest_option(const char *unknown, const struct option *options) {
     char name[32];
     snprintf(name, sizeof name, "%.*s", (int)strcspn(unknown + 2, "="), unknown + 2);
@@ -43,6 +43,8 @@ static void suggest_option(const char *unknown, const struct option *options) {
                 fprintf(stderr, "did you mean --%s? ", o->name);
                 return;
             }
+    for (const struct option *o = options; o->name; o++)
+        if (!strcmp(o->name, "set")) fputs("--set PATH=VALUE changes the scene; ", stderr);
 }
 
 int parse_options(int argc, char **argv, const char *letters, const struct option *options,

@@ -114,6 +114,8 @@ expect "help of an unknown command" 2 'did you mean "check"' "$program" help che
 expect "unknown option" 2 "projdyn: unrecognized option '--frobnicate'" "$program" run "$scene" --frobnicate
 expect "unknown option: where options are" 2 "'projdyn help run' prints the options" "$program" run "$scene" --frobnicate
 expect "misspelt option" 2 "did you mean --output? 'projdyn help run'" "$program" run "$scene" --ouput=x
+expect "key of the scene as an option" 2 "--set PATH=VALUE changes the scene; 'projdyn help run'" \
+    "$program" run "$scene" --duration 2
 expect "short option that is none" 1 "" sh -c "'$program' run '$scene' --size 9 2>&1 | grep 'did you mean'"
 expect "one dash for two" 2 "expected one scene file, found \"$scene\" \"x\"" "$program" run "$scene" -out x
 expect "usage without a scene is short" 0 "" sh -c "test \$('$program' run 2>&1 | wc -l) = 4"
