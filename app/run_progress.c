@@ -38,8 +38,9 @@ static void show_bar(const pdyn_step_info *info, struct run_totals *t) {
     char line[256], text[64];
     snprintf(line, sizeof line, "[%.*s%.*s] %.0f%% %.3f/%g s, ETA %s, %s, %d outer, %.*f ms/step",
              filled, "##########", 10 - filled, "..........", 100.0 * part, info->time, t->end,
-             rounded_time((time - t->start_s) * (1.0 / part - 1.0)).text,
-             accuracy(info, t, "density", text), info->outer_iterations, ms < 100.0 ? 2 : 0, ms);
+             rounded_time(ceil((time - t->start_s) * (1.0 / part - 1.0))).text,
+             accuracy(info, t, "density", text), info->outer_iterations, ms < 10.0 ? 2 : ms < 100.0,
+             ms);
     clear_progress();
     fprintf(stderr, "%.*s", terminal_columns() - 1, line);
 }
