@@ -15,20 +15,20 @@ static int suits(const pdyn_model *model, const char **reason) {
     return model->dynamic ? 20 : 5;
 }
 
-static pdyn_status create(void *self, pdyn_model *model) {
-    struct cg *cg = self;
-    pdyn_status status = pcg_create(&cg->pcg, model);
-    return status == PDYN_OK ? block_jacobi_create(&cg->jacobi, model) : status;
-}
-
 static void precondition(void *self, const double *r, double *z) {
     block_jacobi_apply(&((struct cg *)self)->jacobi, r, z);
+}
+
+static pdyn_status create(void *self, pdyn_model *model) {
+    struct cg *cg = self;
+    pdyn_status status = pcg_create(&cg->pcg, model, precondition, cg);
+    return status == PDYN_OK ? block_jacobi_create(&cg->jacobi, model) : status;
 }
 
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations) {
     struct cg *cg = self;
     block_jacobi_update(&cg->jacobi);
-    pcg_solve(&cg->pcg, precondition, cg, b, y, stop, 0.0, iterations);
+    pcg_solve(&cg->pcg, b, y, stop, 0.0, iterations);
     return PDYN_OK;
 }
 

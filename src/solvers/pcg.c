@@ -13,9 +13,10 @@ struct call {
     double scale;
 };
 
-pdyn_status pcg_create(struct pcg *s, pdyn_model *model) {
+pdyn_status pcg_create(struct pcg *s, pdyn_model *model, pcg_preconditioner *precondition,
+                       void *self) {
     const pdyn_services *services = model->services;
-    s->model = model;
+    s->model = model, s->precondition = precondition, s->self = self;
     s->z = NEW(services, vector_size(model), double);
     s->p = NEW(services, vector_size(model), double);
     s->q = NEW(services, vector_size(model), double);
@@ -82,8 +83,8 @@ static double iterate(struct pcg *s, double *r, double *y) {
     return rp * rp / s->curvature;
 }
 
-void pcg_solve(struct pcg *s, pcg_preconditioner *precondition, void *self, double *b, double *y,
-               const pdyn_stop *stop, double error, int *iterations) {
+void pcg_solve(struct pcg *s, double *b, double *y, const pdyn_stop *stop, double error,
+               int *iterations) {
     pdyn_model *m = s->model;
     double size = m->norm(m, b), target = stop->rel_tol * size;
     double gain = INFINITY, before = INFINITY, all = 0.0;
@@ -93,7 +94,7 @@ void pcg_solve(struct pcg *s, pcg_preconditioner *precondition, void *self, doub
         bool slow = gain * counted < stop->min_progress * all;
         bool done = !(size > target) || slow || before + gain < error * error * all;
         if (*iterations >= stop->min_iterations && done) return;
-        precondition(self, b, s->z);
+        s->precondition(s->self, b, s->z);
         before = gain;
         gain = iterate(s, b, y);
         if (!(gain > 0.0)) return;

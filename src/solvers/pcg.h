@@ -9,24 +9,28 @@
 
 #include "projdyn/module.h"
 
+/* z = P^-1 r, where P approximates H, symmetric positive definite. */
+typedef void pcg_preconditioner(void *self, const double *r, double *z);
+
 struct pcg {
     pdyn_model *model;
+    pcg_preconditioner *precondition;
+    void *self;        /* its first argument */
     double *z, *p, *q; /* vectors: preconditioned residual; direction; H p */
     double curvature;  /* p . H p of the last direction; 0: there is none */
     double *partial;   /* partial sums, one per parallel block */
 };
 
-/* z = P^-1 r, where P approximates H, symmetric positive definite. */
-typedef void pcg_preconditioner(void *self, const double *r, double *z);
-
-pdyn_status pcg_create(struct pcg *pcg, pdyn_model *model); /* PDYN_NO_MEMORY */
-void pcg_free(struct pcg *pcg);                             /* zeroed is fine */
+/* PDYN_NO_MEMORY */
+pdyn_status pcg_create(struct pcg *pcg, pdyn_model *model, pcg_preconditioner *precondition,
+                       void *self);
+void pcg_free(struct pcg *pcg); /* zeroed is fine */
 
 /* As pdyn_global_solver.solve; ends, too, where the error of y in the norm of H is `error` of y (0:
  * not), and where p . H p is not positive: the residual is 0, or not finite. The square of the
  * error is estimated from below: what the last two iterations lowered the model by, over what all
  * did (Hestenes and Stiefel 1952; Strakos and Tichy 2002). */
-void pcg_solve(struct pcg *pcg, pcg_preconditioner *precondition, void *self, double *b, double *y,
-               const pdyn_stop *stop, double error, int *iterations);
+void pcg_solve(struct pcg *pcg, double *b, double *y, const pdyn_stop *stop, double error,
+               int *iterations);
 
 #endif

@@ -1,7 +1,13 @@
 #include "two_level.h"
 
+static void precondition(void *self, const double *r, double *z) {
+    struct two_level *s = self;
+    block_jacobi_apply(&s->jacobi, r, z);
+    coarse_space_correct(&s->coarse, r, z);
+}
+
 pdyn_status two_level_create(struct two_level *s, pdyn_model *model) {
-    pdyn_status status = pcg_create(&s->pcg, model);
+    pdyn_status status = pcg_create(&s->pcg, model, precondition, s);
     if (status == PDYN_OK) status = block_jacobi_create(&s->jacobi, model);
     return status == PDYN_OK ? coarse_space_create(&s->coarse, model) : status;
 }
@@ -17,13 +23,7 @@ void two_level_update(struct two_level *s, bool first_of_step) {
     coarse_space_update(&s->coarse, first_of_step);
 }
 
-static void precondition(void *self, const double *r, double *z) {
-    struct two_level *s = self;
-    block_jacobi_apply(&s->jacobi, r, z);
-    coarse_space_correct(&s->coarse, r, z);
-}
-
 void two_level_solve(struct two_level *s, double *b, double *y, const pdyn_stop *stop, double error,
                      int *iterations) {
-    pcg_solve(&s->pcg, precondition, s, b, y, stop, error, iterations);
+    pcg_solve(&s->pcg, b, y, stop, error, iterations);
 }
