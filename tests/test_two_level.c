@@ -117,12 +117,12 @@ static const char sheets[] =
 static void check_nodes(const struct amg_interpolation *p, int particles) {
     int whole = 0;
     assert_true(p->nodes > particles / 40 && p->nodes <= particles / 4);
-    assert_true(p->followers.rows == p->nodes && p->particles.rows == particles);
+    assert_true(p->restriction.rows == p->nodes && p->prolongation.rows == particles);
     for (int i = 0; i < particles; i++) {
         double sum = 0.0;
-        for (int k = p->particles.start[i]; k < p->particles.start[i + 1]; k++) {
-            assert_true(p->particles.entry[k].value > 0.0F);
-            sum += (double)p->particles.entry[k].value;
+        for (int k = p->prolongation.start[i]; k < p->prolongation.start[i + 1]; k++) {
+            assert_true(p->prolongation.entry[k].value > 0.0F);
+            sum += (double)p->prolongation.entry[k].value;
         }
         assert_true(sum < 1.0 + 1e-6);
         whole += sum > 1.0 - 1e-6;
@@ -172,7 +172,7 @@ static void test_galerkin(void **state) {
 }
 
 /* The blocks of a particle's dynamic constraints lie in the pattern of A, for all nodes that it
- * follows: rows of tetrahedra leave weak nodes out. */
+ * prolongation: rows of tetrahedra leave weak nodes out. */
 static void test_dynamic_pattern(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -183,13 +183,14 @@ static void test_dynamic_pattern(void **state) {
     assert_int_equal(pdyn_load(context, path, NULL, 0, &sim), PDYN_OK);
     test_step(context, sim);
     assert_int_equal(coarse_space_create(&c, &sim->model.model), PDYN_OK);
-    const struct sparse *follows = &c.interpolation.particles;
+    const struct sparse *prolongation = &c.interpolation.prolongation;
     assert_non_null(c.dynamic);
-    for (int i = 0; i < follows->rows; i++)
-        for (int k = follows->start[i]; k < follows->start[i + 1]; k++)
-            for (int m = follows->start[i]; m < follows->start[i + 1]; m++)
-                if (follows->entry[m].column <= follows->entry[k].column)
-                    assert_true(follows->entry[m].column >= c.a.first[follows->entry[k].column]);
+    for (int i = 0; i < prolongation->rows; i++)
+        for (int k = prolongation->start[i]; k < prolongation->start[i + 1]; k++)
+            for (int m = prolongation->start[i]; m < prolongation->start[i + 1]; m++)
+                if (prolongation->entry[m].column <= prolongation->entry[k].column)
+                    assert_true(prolongation->entry[m].column >=
+                                c.a.first[prolongation->entry[k].column]);
     coarse_space_free(&c);
     pdyn_free(sim);
     pdyn_destroy(context);

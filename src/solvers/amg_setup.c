@@ -283,14 +283,14 @@ static pdyn_status order_nodes(const struct sparse *a, struct sparse *I) {
 pdyn_status amg_setup(struct amg_interpolation *out, pdyn_model *model, int max_nodes) {
     struct sparse a = {0};
     pdyn_status status = first_level(model, &a);
-    if (status == PDYN_OK) status = add_levels(&a, &out->particles, max_nodes);
-    if (status == PDYN_OK) status = order_nodes(&a, &out->particles);
-    if (status == PDYN_OK) status = sparse_transpose(&out->particles, &out->followers);
+    if (status == PDYN_OK) status = add_levels(&a, &out->prolongation, max_nodes);
+    if (status == PDYN_OK) status = order_nodes(&a, &out->prolongation);
+    if (status == PDYN_OK) status = sparse_transpose(&out->prolongation, &out->restriction);
     sparse_free(&a);
-    out->nodes = status == PDYN_OK ? out->followers.rows : 0;
+    out->nodes = status == PDYN_OK ? out->restriction.rows : 0;
     return status;
 }
 
 void amg_free(struct amg_interpolation *p) {
-    sparse_free(&p->particles), sparse_free(&p->followers);
+    sparse_free(&p->prolongation), sparse_free(&p->restriction);
 }

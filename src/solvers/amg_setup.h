@@ -8,9 +8,9 @@
 #include "sparse.h"
 
 struct amg_interpolation {
-    int nodes;               /* coarse dofs; coupled ones have close indices */
-    struct sparse particles; /* I: particles x nodes */
-    struct sparse followers; /* its transpose */
+    int nodes;                  /* coarse dofs; coupled ones have close indices */
+    struct sparse prolongation; /* I: particles x nodes */
+    struct sparse restriction;  /* its transpose */
 };
 
 /* From model->graph. At most max_nodes, unless more pieces are not connected. Zeroed before.

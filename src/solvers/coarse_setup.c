@@ -130,7 +130,7 @@ static pdyn_status create_pattern(struct coarse_space *s) {
             couple_nodes(&s->part[k].rows, b->element_row[e], b->element_row[e + 1], first);
     }
     for (int i = 0; s->model->dynamic && i < s->model->particles; i++)
-        couple_nodes(&s->interpolation.particles, i, i + 1, first);
+        couple_nodes(&s->interpolation.prolongation, i, i + 1, first);
     pdyn_status status = skyline_create(&s->a, c, nodes, first);
     FREE(c, first, nodes);
     return status;
@@ -178,13 +178,13 @@ static pdyn_status create_transpose(struct coarse_rows *f) {
     if (rows_of(b) && !f->row_element) return PDYN_NO_MEMORY;
     for (int e = 0; e < b->elements; e++)
         for (int r = b->element_row[e]; r < b->element_row[e + 1]; r++) f->row_element[r] = e;
-    return sparse_transpose(&f->rows, &f->nodes);
+    return sparse_transpose(&f->rows, &f->transpose);
 }
 
 /* Adds a number between particles i and j to the blocks of `to`. Between nodes without a block in
  * the pattern it goes to both diagonals, which keeps A positive definite. */
 static void add_number(const struct coarse_space *s, int i, int j, double number, double *to) {
-    const struct sparse *I = &s->interpolation.particles;
+    const struct sparse *I = &s->interpolation.prolongation;
     for (int k = I->start[i]; k < I->start[i + 1]; k++)
         for (int m = I->start[j]; m < I->start[j + 1]; m++) {
             int row = I->entry[k].column, column = I->entry[m].column;
@@ -225,7 +225,7 @@ static pdyn_status create_matrix(struct coarse_space *s) {
     for (int k = 0; k < m->elements_count; k++) s->part[k].now = m->elements(m, k);
     for (int k = 0; status == PDYN_OK && k < m->elements_count; k++)
         status =
-            interpolate_rows(s->part[k].now.rows, &s->interpolation.particles, &s->part[k].rows);
+            interpolate_rows(s->part[k].now.rows, &s->interpolation.prolongation, &s->part[k].rows);
     if (status == PDYN_OK) status = create_pattern(s);
     if (status != PDYN_OK) return status;
     s->stiffness = NEW(m->services, s->a.start[s->a.nodes], double);
@@ -296,7 +296,7 @@ void coarse_space_free(struct coarse_space *s) {
     for (int k = 0; s->part && k < s->model->elements_count; k++) {
         struct coarse_rows *f = &s->part[k];
         FREE(c, f->row_element, rows_of(f->now.rows));
-        sparse_free(&f->rows), sparse_free(&f->nodes), sparse_free(&f->terms);
+        sparse_free(&f->rows), sparse_free(&f->transpose), sparse_free(&f->terms);
     }
     FREE(c, s->part, s->model->elements_count);
     FREE(c, s->stiffness, blocks);

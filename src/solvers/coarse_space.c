@@ -82,9 +82,9 @@ INLINE void add_terms(struct part *sum, const pdyn_elements *at, const struct sp
 /* Adds elements of several rows to all blocks of node i. */
 INLINE void add_rows(const struct coarse_space *s, int i, const struct coarse_rows *f) {
     const int *element_row = f->now.rows->element_row;
-    for (int k = f->nodes.start[i]; k < f->nodes.start[i + 1]; k++) {
-        int r = f->nodes.entry[k].column, e = f->row_element[r];
-        double weight = (double)f->nodes.entry[k].value;
+    for (int k = f->transpose.start[i]; k < f->transpose.start[i + 1]; k++) {
+        int r = f->transpose.entry[k].column, e = f->row_element[r];
+        double weight = (double)f->transpose.entry[k].value;
         for (int m = element_row[e]; m < element_row[e + 1]; m++) {
             struct part B = {0};
             part_load(&B, &f->now, e, r, m);
@@ -98,7 +98,7 @@ INLINE void add_rows(const struct coarse_space *s, int i, const struct coarse_ro
 
 /* Adds the block diagonal of dynamic constraints to all blocks of node i. */
 INLINE void add_dynamic(const struct coarse_space *s, int i) {
-    const struct sparse *to = &s->interpolation.particles, *from = &s->interpolation.followers;
+    const struct sparse *to = &s->interpolation.prolongation, *from = &s->interpolation.restriction;
     for (int k = from->start[i]; k < from->start[i + 1]; k++) {
         int particle = from->entry[k].column;
         const double *D = s->dynamic + 6 * (size_t)particle;
@@ -126,7 +126,7 @@ WIDE static void coarse_compute_rows(void *arg, int first, int last, int block) 
                 memcpy(skyline_block_row(&s->a, i, j, p), &sum.row[p], 3 * sizeof(double));
         }
         for (int b = 0; b < s->model->elements_count; b++)
-            if (s->part[b].nodes.start) add_rows(s, i, &s->part[b]);
+            if (s->part[b].transpose.start) add_rows(s, i, &s->part[b]);
         if (s->dynamic) add_dynamic(s, i);
     }
 }
@@ -150,7 +150,7 @@ void coarse_space_update(struct coarse_space *s, bool first_of_step) {
 WIDE static void coarse_restrict(void *arg, int first, int last, int block) {
     (void)block;
     const struct coarse_space *s = arg;
-    const struct sparse *from = &s->interpolation.followers;
+    const struct sparse *from = &s->interpolation.restriction;
     for (int node = first; node < last; node++) {
         v4 sum[LANES] = {{0}}, r = {0};
         int k = from->start[node], end = from->start[node + 1];
@@ -168,7 +168,7 @@ WIDE static void coarse_restrict(void *arg, int first, int last, int block) {
 WIDE static void coarse_prolong(void *arg, int first, int last, int block) {
     (void)block;
     const struct coarse_space *s = arg;
-    const struct sparse *to = &s->interpolation.particles;
+    const struct sparse *to = &s->interpolation.prolongation;
     for (int i = first; i < last; i++) {
         v4 sum = {0}, x;
         for (int k = to->start[i]; k < to->start[i + 1]; k++) {

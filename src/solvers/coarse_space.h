@@ -11,12 +11,12 @@
 #include "amg_setup.h"
 #include "block_skyline.h"
 
-struct coarse_rows {     /* the rows of one constraint's elements, on nodes: G I */
-    struct sparse rows;  /* elements of several rows: G I, */
-    struct sparse nodes; /* and its transpose */
-    int *row_element;    /* rows: the element of each */
-    struct sparse terms; /* elements of one row: per block of A, elements and their factors */
-    pdyn_elements now;   /* as H contains them */
+struct coarse_rows {         /* the rows of one constraint's elements, on nodes: G I */
+    struct sparse rows;      /* elements of several rows: G I, */
+    struct sparse transpose; /* and its transpose */
+    int *row_element;        /* rows: the element of each */
+    struct sparse terms;     /* elements of one row: per block of A, elements and their factors */
+    pdyn_elements now;       /* as H contains them */
 };
 
 struct coarse_space {
