@@ -65,7 +65,7 @@ static struct pair *copy_of_pairs(const struct contact *c) {
 static void check_list(struct contact *c) {
     struct pair *pair = copy_of_pairs(c);
     int pairs = c->pairs.count;
-    assert_int_equal(contact_list(c), PDYN_OK);
+    assert_int_equal(contact_search_pairs(c), PDYN_OK);
     assert_int_equal(c->pairs.count, pairs);
     struct pair *all = copy_of_pairs(c);
     for (int k = 0; k < pairs; k++) {
@@ -158,7 +158,7 @@ static void test_motion(void **state) {
     int few = 0, most = 0;
     for (int k = 0; k < 40; k++) {
         move_points(c, k % 10 ? 40 : 1, k % 2 ? 0.012 : 0.002, &seed);
-        assert_int_equal(contact_cover(c, c->at, NULL), PDYN_OK);
+        assert_int_equal(contact_update_pairs(c, c->at, NULL), PDYN_OK);
         few += !c->broad.all_changed;
         assert_int_equal(contact_find(c), PDYN_OK);
         int count = c->current.view.count;
@@ -205,9 +205,9 @@ static void test_search_after_a_failure(void **state) {
     struct contact *c = t.contact;
     for (int k = 0; k < 3 * c->vertices; k++) c->at[k] *= 0.5;
     test_allow(&calls, 0);
-    assert_int_equal(contact_cover(c, c->at, NULL), PDYN_NO_MEMORY);
+    assert_int_equal(contact_update_pairs(c, c->at, NULL), PDYN_NO_MEMORY);
     test_allow(&calls, -1);
-    assert_int_equal(contact_cover(c, c->at, NULL), PDYN_OK);
+    assert_int_equal(contact_update_pairs(c, c->at, NULL), PDYN_OK);
     assert_true(c->pairs.count > 0);
     check_list(c);
     finish(&t);

@@ -81,7 +81,7 @@ pdyn_status common_motion_find(struct contact *c) {
     for (int i = 0; i < c->free; i++)
         memcpy(c->path.step + 3 * i, m->displacement + 3 * c->group[i],
                3 * sizeof *m->displacement);
-    pdyn_status status = contact_cover(c, c->path.x, c->path.step);
+    pdyn_status status = contact_update_pairs(c, c->path.x, c->path.step);
     join_pairs(c, true);
     for (int b = 0; b < c->bodies; b++)
         if (m->held_cluster[root_of(c, b)])

@@ -9,6 +9,9 @@
 
 #include <string.h>
 
+double contact_ms(const struct contact *c) { return c->ms; }
+void contact_clear_ms(struct contact *c) { c->ms = 0.0; }
+
 /* ---- solids ---------------------------------------------------------------------------------- */
 
 /* The coordinates of solids: the last ones of an array points x 3. */
@@ -54,6 +57,21 @@ static void place_solids(struct contact *c) {
     copy_solids(c, c->goal, solids_in(c, c->at));
 }
 
+const double *contact_solid_at(const struct contact *c, int solid) {
+    return c->at + 3 * (size_t)c->solid[solid].first;
+}
+
+bool contact_is_lagging(const struct contact *c) { return c->lagging; }
+
+double contact_lag(const struct contact *c, int solid) {
+    const double *at = contact_solid_at(c, solid);
+    const double *goal = c->goal + 3 * (size_t)(c->solid[solid].first - c->free);
+    double lag = 0.0;
+    for (int i = 0; i < c->solid[solid].count; i++)
+        lag = fmax(lag, vec3_distance(at + 3 * (size_t)i, goal + 3 * (size_t)i));
+    return lag;
+}
+
 /* ---- positions ------------------------------------------------------------------------------- */
 
 /* Collects the positions of all points, with free particles at x and solids where they are. */
@@ -65,7 +83,7 @@ static void gather(const struct contact *c, const double *x, double *at) {
 pdyn_status contact_local(struct contact *c, const double *x) {
     double start = clock_ms();
     gather(c, x, c->at);
-    pdyn_status status = contact_cover(c, c->at, NULL);
+    pdyn_status status = contact_update_pairs(c, c->at, NULL);
     if (status == PDYN_OK) status = contact_find(c);
     if (c->moving) contact_follow_solids(c);
     c->ms += clock_ms() - start;
@@ -76,6 +94,25 @@ pdyn_status contact_place(struct contact *c, const double *x) {
     place_solids(c);
     pdyn_status status = contact_local(c, x);
     return status == PDYN_OK ? contact_check(c) : status;
+}
+
+/* ---- the beginning of a step, and its end where it failed ------------------------------------ */
+
+pdyn_status contact_begin(struct contact *c, const double *x, double time) {
+    double start = clock_ms();
+    c->common.known = false;
+    memset(c->common.displacement, 0, 3 * (size_t)c->bodies * sizeof *c->common.displacement);
+    copy_solids(c, solids_in(c, c->at), c->begin);
+    if (c->moving) set_goals(c, time);
+    pdyn_status status = contact_set_start(c);
+    if (status == PDYN_OK && c->bearings) status = bearings_update(c, x);
+    c->ms += clock_ms() - start;
+    return status;
+}
+
+pdyn_status contact_take_back(struct contact *c, const double *x) {
+    copy_solids(c, c->begin, solids_in(c, c->at));
+    return contact_local(c, x);
 }
 
 /* ---- paths ----------------------------------------------------------------------------------- */
@@ -111,14 +148,14 @@ static pdyn_status find_common_motion(struct contact *c, const double *x, const 
     pdyn_status status = common_motion_find(c);
     c->common.known = true;
     set_paths(c, x, target);
-    return status == PDYN_OK ? contact_free_paths(c) : status;
+    return status == PDYN_OK ? contact_shorten_paths(c) : status;
 }
 
-pdyn_status contact_start(struct contact *c, const double *x, double *target) {
+pdyn_status contact_filter_start(struct contact *c, const double *x, double *target) {
     double start = clock_ms();
     copy_solids(c, c->begin, solids_in(c, c->at));
     set_paths(c, x, target);
-    pdyn_status status = contact_free_paths(c);
+    pdyn_status status = contact_shorten_paths(c);
     if (status == PDYN_OK && !c->common.known && contact_least(c) < 1.0)
         status = find_common_motion(c, x, target);
     for (int i = 0; i < c->free; i++)
@@ -136,11 +173,22 @@ pdyn_status contact_filter(struct contact *c, const double *x, double *direction
     gather(c, x, c->path.x);
     gather(c, direction, c->path.step);
     for (size_t k = 0; k < solid_numbers(c); k++) solids_in(c, c->path.step)[k] = 0.0;
-    pdyn_status status = contact_free_paths(c);
+    pdyn_status status = contact_shorten_paths(c);
     for (int i = 0; i < c->free; i++)
         if (c->path.taken[i] < 1.0)
             memcpy(direction + 3 * c->column[i], c->path.step + 3 * i, 3 * sizeof *direction);
     shorten_carriers(c, NULL, direction);
+    c->ms += clock_ms() - start;
+    return status;
+}
+
+pdyn_status contact_advance(struct contact *c, const double *x) {
+    double start = clock_ms();
+    gather(c, x, c->path.x);
+    memset(c->path.step, 0, 3 * (size_t)c->free * sizeof *c->path.step);
+    step_solids(c);
+    pdyn_status status = contact_shorten_paths(c);
+    move_solids(c);
     c->ms += clock_ms() - start;
     return status;
 }
@@ -155,48 +203,7 @@ double contact_least(const struct contact *c) {
     return least;
 }
 
-pdyn_status contact_advance(struct contact *c, const double *x) {
-    double start = clock_ms();
-    gather(c, x, c->path.x);
-    memset(c->path.step, 0, 3 * (size_t)c->free * sizeof *c->path.step);
-    step_solids(c);
-    pdyn_status status = contact_free_paths(c);
-    move_solids(c);
-    c->ms += clock_ms() - start;
-    return status;
-}
-
-const double *contact_solid_at(const struct contact *c, int solid) {
-    return c->at + 3 * (size_t)c->solid[solid].first;
-}
-
-bool contact_is_lagging(const struct contact *c) { return c->lagging; }
-
-double contact_lag(const struct contact *c, int solid) {
-    const double *at = contact_solid_at(c, solid);
-    const double *goal = c->goal + 3 * (size_t)(c->solid[solid].first - c->free);
-    double lag = 0.0;
-    for (int i = 0; i < c->solid[solid].count; i++)
-        lag = fmax(lag, vec3_distance(at + 3 * (size_t)i, goal + 3 * (size_t)i));
-    return lag;
-}
-
-pdyn_status contact_begin(struct contact *c, const double *x, double time) {
-    double start = clock_ms();
-    c->common.known = false;
-    memset(c->common.displacement, 0, 3 * (size_t)c->bodies * sizeof *c->common.displacement);
-    copy_solids(c, solids_in(c, c->at), c->begin);
-    if (c->moving) set_goals(c, time);
-    pdyn_status status = contact_set_start(c);
-    if (status == PDYN_OK && c->bearings) status = bearings_update(c, x);
-    c->ms += clock_ms() - start;
-    return status;
-}
-
-pdyn_status contact_take_back(struct contact *c, const double *x) {
-    copy_solids(c, c->begin, solids_in(c, c->at));
-    return contact_local(c, x);
-}
+/* ---- saved states ---------------------------------------------------------------------------- */
 
 /* Whether the regions contain their points, or are empty for a particle, and are as large as their
  * reaches say, up to rounding. A wrong size would make the list of pairs incomplete, or much too
@@ -233,7 +240,7 @@ void contact_persist(struct contact *c, struct snapshot_file *file) {
     row_memory_persist(c->context, &c->pressed, sizeof *c->current.force, file);
     if (!file->view.reading || file->status != PDYN_OK) return;
     snapshot_file_require(file, regions_are_valid(c), "a region of contact is wrong");
-    if (file->status == PDYN_OK) file->status = contact_list(c);
+    if (file->status == PDYN_OK) file->status = contact_search_pairs(c);
     contact_measure_moved(c, c->at);
     if (file->status == PDYN_OK) file->status = contact_find(c);
 }

@@ -4,7 +4,7 @@
  * them what is found here.
  *
  * A pair is a vertex or a particle and a face, or two edges, that share no vertex. No pair ever
- * passes through another: iterates move along straight paths that were checked (contact_filter.c),
+ * passes through another: iterates move along straight paths that were checked (contact_paths.c),
  * from a state without intersections. Solids are partners in pairs like surfaces; a solid that
  * moves waits where it would pass through a surface.
  *
@@ -58,7 +58,7 @@ pdyn_status contact_begin(struct contact *contact, const double *x, double time)
 /* Shortens the paths from x, bodies moved by their common displacement, to target (particles x 3)
  * so that nothing passes anything, and changes target accordingly; solids move at the same time
  * from where the step began to their goals. */
-pdyn_status contact_start(struct contact *contact, const double *x, double *target);
+pdyn_status contact_filter_start(struct contact *contact, const double *x, double *target);
 /* The displacement, m, of a body before the paths of this step begin; 0 where all are free. */
 const double *contact_common(const struct contact *contact, int body);
 
@@ -67,7 +67,8 @@ pdyn_status contact_local(struct contact *contact, const double *x);
 
 /* Shortens the parts of a direction (particles x 3) that are not free from x. */
 pdyn_status contact_filter(struct contact *contact, const double *x, double *direction);
-/* The smallest part that contact_start or contact_filter last left of a point's displacement. */
+/* The smallest part that contact_filter_start or contact_filter last left of a point's
+ * displacement. */
 double contact_least(const struct contact *contact);
 
 /* Moves solids that have not reached their goals on as far as they can, with surfaces at x. */

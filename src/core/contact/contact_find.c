@@ -191,6 +191,3 @@ int contact_list_vertices(const struct contact *c, const pdyn_contacts *contacts
                                                       c->at + 3 * (size_t)s->point[k]};
     return count;
 }
-
-double contact_ms(const struct contact *c) { return c->ms; }
-void contact_clear_ms(struct contact *c) { c->ms = 0.0; }

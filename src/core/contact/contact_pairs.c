@@ -249,13 +249,13 @@ static pdyn_status update_list(struct contact *c) {
     return status;
 }
 
-pdyn_status contact_list(struct contact *c) {
+pdyn_status contact_search_pairs(struct contact *c) {
     c->broad.all_changed = true;
     for (int i = 0; i < c->points; i++) c->broad.changed[i] = true;
     return update_list(c);
 }
 
-pdyn_status contact_cover(struct contact *c, const double *x, const double *step) {
+pdyn_status contact_update_pairs(struct contact *c, const double *x, const double *step) {
     if (contact_update_regions(c, x, step)) {
         pdyn_status status = update_list(c);
         if (status != PDYN_OK) return status;

@@ -96,7 +96,7 @@ struct pair_list {   /* what the broad phase found */
     double *moved; /* points, m: distance from there */
 };
 
-/* Displacements without collision (contact_filter.c). */
+/* Displacements without collision (contact_paths.c). */
 struct contact_paths {
     double *x;               /* points x 3, m: where a path begins */
     double *step;            /* points x 3, m: displacement */
@@ -191,17 +191,17 @@ void contact_wrap_regions(const struct contact *contact, const int *point, int p
 
 /* Makes the list of pairs complete for all positions between x and x + step (points x 3; step NULL:
  * at x). */
-pdyn_status contact_cover(struct contact *contact, const double *x, const double *step);
+pdyn_status contact_update_pairs(struct contact *contact, const double *x, const double *step);
 
 /* Lists all pairs that can come closer than their thickness in the regions. */
-pdyn_status contact_list(struct contact *contact);
+pdyn_status contact_search_pairs(struct contact *contact);
 /* pairs.moved = how far points are at x (points x 3) from where distances of pairs were measured.
  */
 void contact_measure_moved(struct contact *contact, const double *x);
 void contact_free_pairs(struct contact *contact);
 
 /* Shortens contact->path.step from contact->path.x to free paths; sets contact->path.taken. */
-pdyn_status contact_free_paths(struct contact *contact);
+pdyn_status contact_shorten_paths(struct contact *contact);
 
 /* Sets contact->common.displacement from the paths x and step of all points, which are not
  * shortened. */

@@ -32,7 +32,7 @@ static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, doub
         *least = iterate_limit(sim, x);
         objective_axpy(&sim->objective, 1.0, carried_x(sim), x);
     }
-    pdyn_status status = contact ? contact_start(contact, sim->x, x) : PDYN_OK;
+    pdyn_status status = contact ? contact_filter_start(contact, sim->x, x) : PDYN_OK;
     if (contact) *least = fmin(*least, contact_least(contact));
     iterate_retract(sim, x);
     return status == PDYN_OK ? objective_local(&sim->objective, x, energy, gradient) : status;

@@ -105,8 +105,8 @@ static bool shorten(struct contact *c) {
     return true;
 }
 
-pdyn_status contact_free_paths(struct contact *c) {
-    pdyn_status status = contact_cover(c, c->path.x, c->path.step);
+pdyn_status contact_shorten_paths(struct contact *c) {
+    pdyn_status status = contact_update_pairs(c, c->path.x, c->path.step);
     struct round round = {.contact = c};
     for (int i = 0; i < c->points; i++) {
         c->path.length[i] = vec3_length(c->path.step + 3 * i);
