@@ -8,10 +8,10 @@
 #ifndef PDYN_OBJECTIVE_H
 #define PDYN_OBJECTIVE_H
 
-#include "contact/wet_sides.h"
 #include "rows/batch.h"
 #include "rows/rigid_matrix.h"
 #include "sph/neighbours.h"
+#include "sph/wet_sides.h"
 
 #include <stdint.h>
 

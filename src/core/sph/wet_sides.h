@@ -10,7 +10,8 @@
 #ifndef PDYN_WET_SIDES_H
 #define PDYN_WET_SIDES_H
 
-#include "rows/batch.h"
+#include "base/context.h"
+#include "projdyn/module.h"
 
 struct scene;
 

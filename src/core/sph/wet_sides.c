@@ -4,7 +4,7 @@
 #include "projdyn/kernel.h"
 #include "projdyn/vec3.h"
 #include "scene/scene.h"
-#include "sph/surface_samples.h"
+#include "surface_samples.h"
 
 #include <string.h>
 
