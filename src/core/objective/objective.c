@@ -233,6 +233,36 @@ void objective_apply_remainder(struct objective *o, int first, int last, const d
     objective_pull(o, y);
 }
 
+/* Every block becomes the particle's inertia times `scale`. */
+static void start_blocks(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    memset(c->out + 6 * (size_t)first, 0, 6 * (size_t)(last - first) * sizeof *c->out);
+    for (int i = first; i < last; i++)
+        vec3_add_identity(c->out + 6 * (size_t)i, c->scale * objective_inertia(c->objective, i));
+}
+
+typedef void add_diagonal_fn(struct batch *batch, double *blocks);
+
+/* The block diagonal of a part of H; add: adds that of a batch. */
+static void sum_diagonal(struct objective *o, pdyn_part part, add_diagonal_fn *add,
+                         double *blocks) {
+    for_particles(o, start_blocks, NULL, blocks, part == PDYN_WHOLE ? 1.0 : 0.0);
+    for (int b = 0; b < o->batches; b++)
+        if (part == PDYN_WHOLE || !batch_is_static(o->batch[b])) add(o->batch[b], blocks);
+    if (!o->rigid) return;
+    if (part == PDYN_WHOLE) rigid_matrix_factor(o->rigid, blocks);
+    rigid_map_close_blocks(o->rigid, 1.0 / (o->h * o->h), blocks);
+}
+
+void objective_diagonal(struct objective *o, pdyn_part part, double *blocks) {
+    sum_diagonal(o, part, batch_diagonal, blocks);
+}
+
+void objective_remainder_diagonal(struct objective *o, pdyn_part part, double *blocks) {
+    sum_diagonal(o, part, batch_remainder_diagonal, blocks);
+}
+
 /* ---- the model along a direction ------------------------------------------------------------- */
 
 void objective_set_direction(struct objective *o, const double *u) {
@@ -289,36 +319,6 @@ void objective_step_along(struct objective *o, double t, double *y) {
     for_particles(o, scale_block, NULL, y, t);
     for (int b = 0; b < o->batches; b++) batch_step_along(o->batch[b], t, y);
     objective_pull(o, y);
-}
-
-/* Every block becomes the particle's inertia times `scale`. */
-static void start_blocks(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    memset(c->out + 6 * (size_t)first, 0, 6 * (size_t)(last - first) * sizeof *c->out);
-    for (int i = first; i < last; i++)
-        vec3_add_identity(c->out + 6 * (size_t)i, c->scale * objective_inertia(c->objective, i));
-}
-
-typedef void add_diagonal_fn(struct batch *batch, double *blocks);
-
-/* The block diagonal of a part of H; add: adds that of a batch. */
-static void sum_diagonal(struct objective *o, pdyn_part part, add_diagonal_fn *add,
-                         double *blocks) {
-    for_particles(o, start_blocks, NULL, blocks, part == PDYN_WHOLE ? 1.0 : 0.0);
-    for (int b = 0; b < o->batches; b++)
-        if (part == PDYN_WHOLE || !batch_is_static(o->batch[b])) add(o->batch[b], blocks);
-    if (!o->rigid) return;
-    if (part == PDYN_WHOLE) rigid_matrix_factor(o->rigid, blocks);
-    rigid_map_close_blocks(o->rigid, 1.0 / (o->h * o->h), blocks);
-}
-
-void objective_diagonal(struct objective *o, pdyn_part part, double *blocks) {
-    sum_diagonal(o, part, batch_diagonal, blocks);
-}
-
-void objective_remainder_diagonal(struct objective *o, pdyn_part part, double *blocks) {
-    sum_diagonal(o, part, batch_remainder_diagonal, blocks);
 }
 
 /* ---- vectors --------------------------------------------------------------------------------- */

@@ -136,8 +136,12 @@ void objective_pull(const struct objective *objective, double *y);
 /* y = H u */
 void objective_apply(struct objective *objective, const double *u, double *y);
 
-/* The same without the matrix-free constraints, for u that is 0 outside the particles first to
- * before last, which all rows concern; y has no meaning outside. */
+/* The 3 x 3 block diagonal of a part of H, packed xx xy xz yy yz zz: particles x 6. That of the
+ * whole H also completes the matrix of rigid bodies, for rigid_matrix_solve. */
+void objective_diagonal(struct objective *objective, pdyn_part part, double *blocks);
+
+/* Both without the matrix-free constraints. u is 0 outside the particles first to before last,
+ * which all rows concern; y has no meaning there. */
 void objective_apply_remainder(struct objective *objective, int first, int last, const double *u,
                                double *y);
 void objective_remainder_diagonal(struct objective *objective, pdyn_part part, double *blocks);
@@ -157,10 +161,6 @@ double objective_line_minimum(struct objective *objective, double descent, doubl
 
 /* d += t u. y: H u with the sides at d; becomes the change of the model's gradient. */
 void objective_step_along(struct objective *objective, double t, double *y);
-
-/* The 3 x 3 block diagonal of a part of H, packed xx xy xz yy yz zz: particles x 6. That of the
- * whole H also completes the matrix of rigid bodies, for rigid_matrix_solve. */
-void objective_diagonal(struct objective *objective, pdyn_part part, double *blocks);
 
 /* a . b, the same bits for any number of threads. */
 double objective_dot(struct objective *objective, const double *a, const double *b);
