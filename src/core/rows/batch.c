@@ -43,7 +43,7 @@ pdyn_status batch_begin(struct batch *b, const struct step_start *start,
     pdyn_status status = PDYN_OK;
     batch_set_step(b, step);
     if (b->op && b->type->matrix_free->begin) b->type->matrix_free->begin(b->op, step->length);
-    if (b->type->update && !updates_always(b)) status = batch_update(b, start->x, start->v);
+    if (b->type->update && !updates_always(b)) status = rows_update(b, start->x, start->v);
     if (status != PDYN_OK) return status;
     if (b->damper) rows_begin_damper(b, start);
     if (b->damper || !b->type->begin) return PDYN_OK;
@@ -59,7 +59,7 @@ pdyn_status batch_local(struct batch *b, const double *x, double *gradient) {
     }
     b->energy = 0.0;
     if (updates_always(b)) {
-        pdyn_status status = batch_update(b, x, NULL);
+        pdyn_status status = rows_update(b, x, NULL);
         if (status != PDYN_OK) return status;
     }
     if (b->linear) {
@@ -67,7 +67,7 @@ pdyn_status batch_local(struct batch *b, const double *x, double *gradient) {
         return PDYN_OK;
     }
     b->energy = rows_project(b, x);
-    batch_scatter(b, gradient);
+    rows_scatter(b, gradient);
     return PDYN_OK;
 }
 
@@ -89,7 +89,7 @@ void batch_apply(struct batch *b, const double *u, double *y) {
         return;
     }
     rows_multiply(b, u);
-    batch_scatter(b, y);
+    rows_scatter(b, y);
 }
 
 void batch_apply_remainder(struct batch *b, const double *u, double *y) {
@@ -176,7 +176,7 @@ void batch_find_acceleration(struct batch *b, const struct velocity_change *chan
     if (b->op) {
         one_sided_forces(&b->one_sided, begin_output(b, a));
         end_output(b, a);
-    } else batch_scatter(b, a);
+    } else rows_scatter(b, a);
     if (change->rigid) rigid_map_pull(change->rigid, a);
     for (int k = 0; k < n; k++) a[k] /= change->mass[k / 3];
     if (change->rigid) rigid_map_extend(change->rigid, a);

@@ -3,8 +3,8 @@
  * the rows tier they are computed from the type's callbacks, for the operator tier by its operator.
  *
  * batch.c has the functions, but for those that create, refresh and free a batch (batch_build.c),
- * of elements that come and go (dynamic_rows.c), batch_scatter (row_local.c) and batch_block
- * (row_tangent.c). */
+ * of elements that come and go (dynamic_rows.c) and batch_block (row_tangent.c). What only the
+ * files of rows/ call is in row_arrays.h and row_loops.h. */
 #ifndef PDYN_BATCH_H
 #define PDYN_BATCH_H
 
@@ -105,10 +105,6 @@ pdyn_status batch_refresh(struct batch *batch);
 
 /* ---- a step: its beginning and its end ------------------------------------------------------- */
 
-/* Elements that come and go: calls the type's `update` at x and v (particles x 3; v NULL in a local
- * step), then `select`, and `weight` where the type has no `begin`. PDYN_BAD_INPUT: the type gave a
- * row that it must not give. */
-pdyn_status batch_update(struct batch *batch, const double *x, const double *v);
 /* The step that ended at the last local step was taken: calls the type's `end`, if it has one.
  * batch_prepare_end makes the memory for it: PDYN_NO_MEMORY. */
 pdyn_status batch_prepare_end(struct batch *batch);
@@ -199,8 +195,6 @@ bool batch_impacts_between(const struct batch *batch, double *force);
 /* After batch_impacts, rows tier: of the impacts between particles and solids, keeps the part that
  * the particles (kept: one part each, weighted by coefficients) have kept. */
 void batch_keep_impacts(struct batch *batch, const double *kept);
-/* Rows tier: y += G' flux */
-void batch_scatter(struct batch *batch, double *y);
 
 /* ---- what operators add to a step ------------------------------------------------------------ */
 
@@ -242,9 +236,6 @@ static inline bool type_stores_energy(const pdyn_constraint_type *type) {
 static inline bool batch_has_blocks(const struct batch *b) {
     return b->eps < 1.0 && !b->linear && type_has_tangent(b->type);
 }
-/* Rows tier: numbers in batch->block, one more than needed so that the last column can be loaded as
- * four numbers. */
-size_t batch_block_numbers(const struct batch *batch);
 /* Rows tier: the 3 x 3 part of B between the rows of two entries of one element. */
 void batch_block(const struct batch *batch, int k, int m, double B[9]);
 

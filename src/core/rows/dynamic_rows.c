@@ -1,6 +1,6 @@
 /* Elements that come and go: `update`, `memory` and `end` of pdyn_constraint_type. The arrays of
  * the batch grow with the elements and never shrink, so that a warmed-up step allocates nothing. */
-#include "row_arrays.h"
+#include "row_loops.h"
 
 #include "base/param_kind.h"
 
@@ -86,7 +86,7 @@ static pdyn_status count_elements(struct batch *b, const double *x, const double
     return status;
 }
 
-pdyn_status batch_update(struct batch *b, const double *x, const double *v) {
+pdyn_status rows_update(struct batch *b, const double *x, const double *v) {
     pdyn_status status = b->touch_start ? PDYN_OK : make_index(b);
     if (status == PDYN_OK) status = count_elements(b, x, v);
     if (status != PDYN_OK) return status;

@@ -133,7 +133,7 @@ bool rows_allocate(struct batch *b) {
 
 void rows_free(struct batch *b) {
     pdyn_context *c = b->context;
-    if (b->block_start) FREE_ARRAY(c, b->block, batch_block_numbers(b));
+    if (b->block_start) FREE_ARRAY(c, b->block, rows_block_numbers(b));
     resize_arrays(b, ARRAYS_FREE);
     FREE_ARRAY(c, b->view.element_row, b->room.elements + 1);
 }

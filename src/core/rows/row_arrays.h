@@ -31,6 +31,9 @@ void rows_of_element(const struct batch *batch, int e, int *rows, int *width);
 /* All arrays but element_row, which is there, with room for batch->room elements, rows and entries.
  */
 bool rows_allocate(struct batch *batch);
+/* Numbers in batch->block (row_tangent.c), one more than needed so that the last column can be
+ * loaded as four numbers. */
+size_t rows_block_numbers(const struct batch *batch);
 void rows_free(struct batch *batch);
 
 /* The transpose of G: for every particle the entries that select it. */

@@ -79,6 +79,6 @@ int rows_impacts(struct batch *b, const struct velocity_change *change, double *
     double count = 0.0;
     pool_for(b->context->pool, b->view.elements, b->grain, compute_impacts, &impacts);
     for (int k = 0; k < pool_blocks(b->view.elements, b->grain); k++) count += b->partial[k];
-    batch_scatter(b, force);
+    rows_scatter(b, force);
     return (int)count;
 }

@@ -27,7 +27,7 @@ WIDE static void scatter_rows(void *arg, int first, int last, int block) {
     }
 }
 
-void batch_scatter(struct batch *b, double *y) { rows_for_particles(b, scatter_rows, y); }
+void rows_scatter(struct batch *b, double *y) { rows_for_particles(b, scatter_rows, y); }
 
 /* flux = w (u - p) in row r; adds twice the energy of the row. size: of the loads, four numbers, or
  * three in the last element of a block, since the next one may be of another thread. */

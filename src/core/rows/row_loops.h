@@ -52,10 +52,17 @@ INLINE void gather_row(const struct batch *b, int r, const double *x, v4 *u) {
 
 /* row_local.c: u, p and the flux w (u - p) of all rows at x. Returns their energy, J. */
 double rows_project(struct batch *batch, const double *x);
+/* y += G' flux */
+void rows_scatter(struct batch *batch, double *y);
 /* A step begins: rest shapes and weights of a damper; `begin` of a type that has it, and weights.
  */
 void rows_begin_damper(struct batch *batch, const struct step_start *start);
 void rows_begin(struct batch *batch, const struct step_start *start);
+
+/* dynamic_rows.c: calls the type's `update` at x and v (particles x 3; v NULL in a local step),
+ * then `select`, and `weight` where the type has no `begin`. PDYN_BAD_INPUT: the type gave a row
+ * that it must not give. */
+pdyn_status rows_update(struct batch *batch, const double *x, const double *v);
 
 /* row_tangent.c: B of all elements at the last local step, for the eps of the batch. */
 pdyn_status rows_linearise(struct batch *batch);

@@ -73,11 +73,11 @@ static void linearise_axes(void *arg, int first, int last, int block) {
     }
 }
 
-size_t batch_block_numbers(const struct batch *b) { return b->block_start[b->room.elements] + 1; }
+size_t rows_block_numbers(const struct batch *b) { return b->block_start[b->room.elements] + 1; }
 
 pdyn_status rows_linearise(struct batch *b) {
     if (!batch_has_blocks(b) || !b->rows) return PDYN_OK;
-    if (!b->block) b->block = NEW_ARRAY(b->context, batch_block_numbers(b), double);
+    if (!b->block) b->block = NEW_ARRAY(b->context, rows_block_numbers(b), double);
     if (!b->block) return PDYN_NO_MEMORY;
     bool numeric = b->type->flags & PDYN_NUMERIC_TANGENT;
     pdyn_range_fn *linearise = numeric                  ? linearise_numeric
