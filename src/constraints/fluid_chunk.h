@@ -3,7 +3,7 @@
 #ifndef PDYN_FLUID_CHUNK_H
 #define PDYN_FLUID_CHUNK_H
 
-#include "fluid_pairs.h"
+#include "fluid_operator.h"
 
 enum { CHUNK = 64 }; /* neighbours of a chunk */
 

@@ -3,7 +3,7 @@
  * the distance, whatever points and triangles the surface has. Beyond, the distance is at least the
  * spacing, and at least the distance to a bounding box of the other party, so a sheet that flies
  * towards water is not slowed down. */
-#include "fluid_pairs.h"
+#include "fluid_operator.h"
 
 #include "projdyn/box.h"
 #include "projdyn/vec3.h"

@@ -1,6 +1,6 @@
 /* The density constraint as a matrix-free operator: its memory and its table. The local step is in
  * fluid_local.c, the passes over pairs in fluid_pairs.c. */
-#include "fluid_pairs.h"
+#include "fluid_operator.h"
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 

@@ -9,8 +9,8 @@
  * same rounded numbers, so momentum and the symmetry of H are exact to double precision. Memory: 20
  * bytes per listed neighbour, 168 per particle of the system, 84 more per sample and 32 per
  * boundary point. */
-#ifndef PDYN_FLUID_PAIRS_H
-#define PDYN_FLUID_PAIRS_H
+#ifndef PDYN_FLUID_OPERATOR_H
+#define PDYN_FLUID_OPERATOR_H
 
 #include "fluid.h"
 #include "projdyn/simd.h"

@@ -1,6 +1,6 @@
 /* Passes of the fluid operator over the stored pairs of each particle: rate (divergence), force
  * (pressure gradient), block diagonal, viscosity. */
-#include "fluid_pairs.h"
+#include "fluid_operator.h"
 
 #include "projdyn/vec3.h"
 
