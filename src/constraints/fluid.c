@@ -15,10 +15,9 @@
  * add density (Akinci et al. 2012). */
 #include "fluid.h"
 
-#include "projdyn/kernel.h"
-#include "projdyn/vec3.h"
+#include "listed_points.h"
 
-#include <string.h>
+#include "projdyn/kernel.h"
 
 enum { MAX_ROWS = 2048 }; /* of one constraint; with more, C counts as 0 */
 
@@ -47,8 +46,6 @@ static int elements(const void *par, const pdyn_body *body) {
     return body->count;
 }
 
-static int first_sample(const pdyn_neighbours *l) { return l->particles - l->samples; }
-
 /* A row is one particle; a sample has three, the corners of its triangle. */
 static void row_sizes(const void *par, const pdyn_batch *b, int element, int *rows, int *width) {
     (void)par;
@@ -72,7 +69,7 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
         for (int k = l->start[i]; k < l->surface_start[i]; k++) select_row(b, row++, l->index[k]);
         for (int k = l->surface_start[i]; k < l->boundary_start[i]; k++)
             for (int m = 0; m < 3; m++)
-                select_row(b, row++, l->sample_vertex[3 * (l->index[k] - first_sample(l)) + m]);
+                select_row(b, row++, l->sample_vertex[sample_corner(l, l->index[k]) + m]);
     }
 }
 
@@ -80,56 +77,84 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     for (int e = first; e < last; e++) b->weight[e] = ((const struct fluid_params *)par)->stiffness;
 }
 
-/* The relative volume of a sample whose corners are p (3 x 3); at: its position; growth (3 x 3):
- * gradient of the volume. */
-static double sample_volume(const pdyn_neighbours *l, int sample, double unit, const double *p,
-                            double *at, double *growth) {
-    const double *const corner[3] = {p, p + 3, p + 6};
-    at[0] = at[1] = at[2] = 0.0;
-    for (int m = 0; m < 3; m++) vec3_add(at, l->sample_weight[3 * sample + m], corner[m]);
-    return fluid_sample_volume(l->sample_share[sample] / unit, corner, growth);
+struct kernels { /* of the points around a particle, times the rest volume of a particle */
+    struct kernel particle;
+    struct surface_kernel area;
+    double unit; /* m^3, that volume */
+};
+
+struct point {            /* in the list of a particle */
+    double at[3];         /* m */
+    double volume;        /* relative to that of a particle */
+    double growth[9];     /* of a sample: gradient of the volume, corners x 3, 1/m */
+    const double *weight; /* of a sample: of its corners; NULL: another point */
+};
+
+/* The point of entry k in the list of particle i. u: positions of its rows, of a point that moves.
+ */
+static struct point point_at(const pdyn_neighbours *l, double unit, int i, int k, const double *u) {
+    int j = l->index[k], corner = sample_corner(l, j);
+    struct point point = {.volume = l->volume[j] / unit};
+    if (k < l->surface_start[i] || k >= l->boundary_start[i]) {
+        bool moves = k < l->surface_start[i];
+        memcpy(point.at, moves ? u : l->boundary_x + 3 * (j - l->particles), sizeof point.at);
+        return point;
+    }
+    point.weight = l->sample_weight + corner;
+    for (int m = 0; m < 3; m++) vec3_add(point.at, point.weight[m], u + 3 * m);
+    point.volume = fluid_sample_volume(l->sample_share[corner / 3] / unit,
+                                       (const double *const[]){u, u + 3, u + 6}, point.growth);
+    return point;
+}
+
+/* Returns W at the distance vector d. gradient: volume times grad W, 1/m, rounded to float as the
+ * operator stores it. has_area: the point has the surface kernel. */
+static double evaluate(const struct kernels *s, bool has_area, const double d[3], double volume,
+                       double gradient[3]) {
+    double squared = vec3_dot(d, d), r = vec3_length(d);
+    double slope =
+        has_area ? surface_kernel_slope(&s->area, squared) : kernel_slope(&s->particle, r);
+    for (int a = 0; a < 3; a++) {
+        /* volatile: gcc 12 drops the conversion to float and back in vectorised code */
+        volatile float narrow = (float)(volume * slope * d[a]);
+        gradient[a] = (double)narrow;
+    }
+    return has_area ? surface_kernel_value(&s->area, squared) : kernel_value(&s->particle, r);
+}
+
+/* g: gradient of C with respect to the rows of a point that moves; returns their number. value: W;
+ * gradient: with respect to the particle. */
+static int set_rows(const struct point *point, double value, const double gradient[3], double *g) {
+    for (int a = 0; !point->weight && a < 3; a++) g[a] = -gradient[a];
+    for (int k = 0; point->weight && k < 9; k++)
+        g[k] = value * point->growth[k] - point->weight[k / 3] * gradient[k % 3];
+    return point->weight ? 3 : 1;
 }
 
 /* Returns C of element e at the positions p (rows x 3, particle e first); g: its gradient, rows x
- * 3, 1/m; *squares: of the gradients of particles and samples. Gradients of pairs are rounded to
- * float, as the operator stores them. */
+ * 3, 1/m; *squares: of the gradients of particles and samples. */
 static double row_density(const pdyn_batch *b, int e, const double *p, double *g, double *squares) {
     const pdyn_neighbours *l = b->neighbours;
-    struct kernel kernel = fluid_kernel(l->kernel, 2.0 * b->body->radius);
-    struct surface_kernel surface = fluid_surface_kernel(l->kernel, 2.0 * b->body->radius);
-    double unit = fluid_particle_volume(b->body);
-    int i = b->body->first + e, moving = l->boundary_start[i] - l->start[i];
-    int fluid = l->surface_start[i] - l->start[i], walls = l->patch_start[i] - l->start[i];
+    const double spacing = 2.0 * b->body->radius;
+    const struct kernels kernels = {fluid_kernel(l->kernel, spacing),
+                                    fluid_surface_kernel(l->kernel, spacing),
+                                    fluid_particle_volume(b->body)};
+    int i = b->body->first + e, row = 1;
     double rest = 1.0 + (l->granted ? l->granted[i] : 0.0);
-    double c = l->volume[i] / unit * kernel_value(&kernel, 0.0) - rest;
+    double c = l->volume[i] / kernels.unit * kernel_value(&kernels.particle, 0.0) - rest;
     memset(g, 0, 3 * sizeof *g);
     *squares = 0.0;
-    for (int k = 0, row = 1; k < l->end[i] - l->start[i]; k++) {
-        int j = l->index[l->start[i] + k];
-        bool sample = k >= fluid && k < moving;
-        const double *q = k < moving ? p + 3 * row : l->boundary_x + 3 * (j - l->particles);
-        double at[3], growth[9], volume = l->volume[j] / unit;
-        if (sample) volume = sample_volume(l, j - first_sample(l), unit, q, at, growth), q = at;
-        double d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]}, r = vec3_length(d);
-        double squared = vec3_dot(d, d);
-        bool particle = k < fluid || (k < moving ? l->has_volumes : k < walls);
-        double value =
-            particle ? kernel_value(&kernel, r) : surface_kernel_value(&surface, squared);
-        double slope =
-            particle ? kernel_slope(&kernel, r) : surface_kernel_slope(&surface, squared);
-        c += volume * value, slope *= volume;
-        for (int a = 0; a < 3; a++) {
-            /* volatile: gcc 12 drops the conversion to float and back in vectorised code */
-            volatile float narrow = (float)(slope * d[a]);
-            double rounded = (double)narrow;
-            g[a] += rounded;
-            if (k < moving) *squares += rounded * rounded;
-            if (k < fluid) g[3 * row + a] = -rounded;
-            for (int m = 0; sample && m < 3; m++)
-                g[3 * (row + m) + a] = value * growth[3 * m + a] -
-                                       l->sample_weight[3 * (j - first_sample(l)) + m] * rounded;
-        }
-        row += sample ? 3 : 1;
+    for (int k = l->start[i]; k < l->end[i]; k++) {
+        const struct point point = point_at(l, kernels.unit, i, k, p + 3 * row);
+        bool has_area = k >= l->surface_start[i] && listed_has_area(l, i, k);
+        double d[3], gradient[3];
+        vec3_subtract(d, p, point.at);
+        double value = evaluate(&kernels, has_area, d, point.volume, gradient);
+        c += point.volume * value;
+        vec3_add(g, 1.0, gradient);
+        if (k >= l->boundary_start[i]) continue;
+        for (int a = 0; a < 3; a++) *squares += gradient[a] * gradient[a];
+        row += set_rows(&point, value, gradient, g + 3 * row);
     }
     *squares += vec3_dot(g, g);
     return c;
