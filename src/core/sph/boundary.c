@@ -1,7 +1,6 @@
 /* The boundary models "surface" and "points". */
 #include "boundary.h"
 
-#include "point_volumes.h"
 #include "projdyn/kernel.h"
 #include "scene/choices.h"
 
@@ -37,16 +36,4 @@ double boundary_outside(const struct boundary_model *model, const struct kernel_
 
 double boundary_farther(double thickness, double spacing) {
     return fmin(0.5 * thickness / spacing, 0.3);
-}
-
-pdyn_status boundary_volumes(pdyn_context *context, const struct sampling *sampling, int count,
-                             const double *x, const double *area, double *volume) {
-    const struct boundary_model *model = sampling->model;
-    const struct kernel_model *kernel = sampling->kernel;
-    double spacing = sampling->spacing;
-    double factor = surface_kernel_farther(kernel, boundary_farther(sampling->thickness, spacing));
-    if (model->volumes)
-        return point_volumes(context, count, x, kernel, kernel->support * spacing, volume);
-    for (int k = 0; k < count; k++) volume[k] = factor * area[k] * spacing;
-    return PDYN_OK;
 }

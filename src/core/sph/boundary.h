@@ -2,8 +2,9 @@
 #ifndef PDYN_BOUNDARY_H
 #define PDYN_BOUNDARY_H
 
-#include "base/context.h"
-#include "border.h"
+#include <stdbool.h>
+
+struct kernel_model;
 
 struct boundary_model {
     const char *name, *summary;
@@ -17,14 +18,6 @@ struct boundary_model {
                    * surface kernel, those on boxes the volumes of the kernel (kernel.h) */
 };
 
-struct sampling { /* of a surface */
-    const struct boundary_model *model;
-    const struct kernel_model *kernel;
-    double spacing;              /* m, of the fluid's particles */
-    double thickness;            /* m, of a sheet; 0 for the surface of a volume */
-    const struct border *border; /* of the surfaces */
-};
-
 /* Support of the kernel of points on meshes, in particle spacings. */
 double boundary_support(const struct boundary_model *model, const struct kernel_model *kernel);
 /* Distance of the points of a vessel behind its faces, in particle spacings. */
@@ -33,10 +26,5 @@ double boundary_outside(const struct boundary_model *model, const struct kernel_
 /* Distance, in particle spacings, by which a fluid rests farther from a sheet because of its
  * thickness, m: half of it, at most 0.3 spacings (docs/theory/interface.md#thickness). */
 double boundary_farther(double thickness, double spacing);
-
-/* Computes the volumes, m^3, with which the points of a surface enter SPH sums, from their areas,
- * m^2: area times spacing, or 1 / sum W. x: count x 3, m. */
-pdyn_status boundary_volumes(pdyn_context *context, const struct sampling *sampling, int count,
-                             const double *x, const double *area, double *volume);
 
 #endif

@@ -2,7 +2,9 @@
 #include "surface_samples.h"
 
 #include "geometry/sampling.h"
+#include "point_volumes.h"
 
+#include "projdyn/kernel.h"
 #include "projdyn/simd.h"
 #include "projdyn/vec3.h"
 
@@ -253,60 +255,72 @@ static const double open_share = 1e-9;
 
 /* Beside a border, particles of the other side are neighbours: the nearer the border, the more of
  * them take the place of samples. triangle: the first one of the surface. */
-static void reduce_beside_border(struct surface_samples *s, const struct border *border,
-                                 int triangle, const double *rest,
-                                 const struct surface_points *points, int first) {
+static void reduce_beside_border(struct surface_samples *s, const struct samples_def *def,
+                                 int triangle, const struct surface_points *points, int first) {
     for (int k = 0; k < points->count; k++) {
         const double *at = s->x + 3 * (size_t)(first + k);
-        double distance = border_distance(border, triangle + points->point[k].triangle, rest, at);
-        s->rest_volume[first + k] *= fmax(open_share, distance / border->width);
+        double distance =
+            border_distance(def->border, triangle + points->point[k].triangle, def->rest, at);
+        s->rest_volume[first + k] *= fmax(open_share, distance / def->border->width);
     }
 }
 
-static pdyn_status fill(struct surface_samples *s, int bodies, const pdyn_body *body,
-                        const struct surface_points *points, const struct sampling *sampling,
-                        const double *rest) {
-    pdyn_status status = resize_arrays(s, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
-    for (int b = 0, first = 0, triangle = 0; b < bodies && status == PDYN_OK;
-         triangle += hiding_triangles(&body[b]), first += points[b++].count) {
-        struct sampling of_body = *sampling;
-        if (body[b].tets) of_body.thickness = 0.0;
-        place(s, &body[b], &points[b], first);
-        status = boundary_volumes(s->context, &of_body, points[b].count, s->x + 3 * (size_t)first,
-                                  s->rest_area + first, s->rest_volume + first);
-        for (int k = first; body[b].permeability > 0.0 && k < first + points[b].count; k++)
-            s->rest_volume[k] *= open_share;
-        if (hiding_triangles(&body[b]) && sampling->border->width > 0.0)
-            reduce_beside_border(s, sampling->border, triangle, rest, &points[b], first);
-    }
-    if (status != PDYN_OK) return status;
-    for (int k = 0; k < s->count; k++) s->share[k] = s->rest_volume[k] / area(s, k, rest);
+/* The volumes, m^3, with which `count` samples of a body from `first` on enter SPH sums: area times
+ * spacing, or 1 / sum W. */
+static pdyn_status set_volumes(struct surface_samples *s, const struct samples_def *def,
+                               const pdyn_body *body, int first, int count) {
+    double *volume = s->rest_volume + first, thickness = body->tets ? 0.0 : def->thickness;
+    double factor = surface_kernel_farther(def->kernel, boundary_farther(thickness, def->spacing));
+    if (def->model->volumes)
+        return point_volumes(s->context, count, s->x + 3 * (size_t)first, def->kernel,
+                             def->kernel->support * def->spacing, volume);
+    for (int k = 0; k < count; k++) volume[k] = factor * s->rest_area[first + k] * def->spacing;
     return PDYN_OK;
 }
 
-pdyn_status samples_create(pdyn_context *context, int bodies, const pdyn_body *body, int particles,
-                           const double *rest, const struct sampling *sampling,
+static pdyn_status fill(struct surface_samples *s, const struct samples_def *def,
+                        const struct surface_points *points) {
+    pdyn_status status = resize_arrays(s, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
+    int first = 0, triangle = 0;
+    for (int b = 0; b < def->bodies && status == PDYN_OK; b++) {
+        const pdyn_body *body = &def->body[b];
+        place(s, body, &points[b], first);
+        status = set_volumes(s, def, body, first, points[b].count);
+        for (int k = first; body->permeability > 0.0 && k < first + points[b].count; k++)
+            s->rest_volume[k] *= open_share;
+        if (hiding_triangles(body) && def->border->width > 0.0)
+            reduce_beside_border(s, def, triangle, &points[b], first);
+        triangle += hiding_triangles(body), first += points[b].count;
+    }
+    if (status != PDYN_OK) return status;
+    for (int k = 0; k < s->count; k++) s->share[k] = s->rest_volume[k] / area(s, k, def->rest);
+    return PDYN_OK;
+}
+
+static pdyn_status create(pdyn_context *context, const struct samples_def *def,
+                          const struct surface_points *points, int count,
+                          struct surface_samples **out) {
+    struct surface_samples *s = *out = NEW_ARRAY(context, 1, struct surface_samples);
+    if (!s) return PDYN_NO_MEMORY;
+    s->context = context, s->particles = def->particles, s->count = count;
+    pdyn_status status = fill(s, def, points);
+    if (status != PDYN_OK) samples_free(s), *out = NULL;
+    return status;
+}
+
+pdyn_status samples_create(pdyn_context *context, const struct samples_def *def,
                            struct surface_samples **out) {
-    double distance = sampling->model->mesh_spacing * sampling->spacing;
-    struct surface_points *points = NEW_ARRAY(context, bodies, struct surface_points);
+    double distance = def->model->mesh_spacing * def->spacing;
+    struct surface_points *points = NEW_ARRAY(context, def->bodies, struct surface_points);
     pdyn_status status = points ? PDYN_OK : PDYN_NO_MEMORY;
     int count = 0;
     *out = NULL;
-    for (int b = 0; b < bodies && status == PDYN_OK; count += points[b++].count) {
-        const struct mesh mesh = mesh_of(&body[b]);
-        status = sample_triangles(context, body[b].name, &mesh, distance, &points[b]);
+    for (int b = 0; b < def->bodies && status == PDYN_OK; count += points[b++].count) {
+        const struct mesh mesh = mesh_of(&def->body[b]);
+        status = sample_triangles(context, def->body[b].name, &mesh, distance, &points[b]);
     }
-    if (status == PDYN_OK && count) {
-        *out = NEW_ARRAY(context, 1, struct surface_samples);
-        if (!*out) status = PDYN_NO_MEMORY;
-        else {
-            **out = (struct surface_samples){
-                .context = context, .particles = particles, .count = count};
-            status = fill(*out, bodies, body, points, sampling, rest);
-        }
-    }
-    if (status != PDYN_OK) samples_free(*out), *out = NULL;
-    for (int b = 0; points && b < bodies; b++) surface_points_free(context, &points[b]);
-    FREE_ARRAY(context, points, bodies);
+    if (status == PDYN_OK && count) status = create(context, def, points, count, out);
+    for (int b = 0; points && b < def->bodies; b++) surface_points_free(context, &points[b]);
+    FREE_ARRAY(context, points, def->bodies);
     return status;
 }

@@ -4,6 +4,7 @@
 #define PDYN_SURFACE_SAMPLES_H
 
 #include "base/context.h"
+#include "border.h"
 #include "boundary.h"
 #include "projdyn/module.h"
 #include "projdyn/simd.h"
@@ -38,10 +39,20 @@ struct surface_samples {
     double *blocks;         /* (particles + count) x 6 */
 };
 
-/* Samples all surfaces; the thickness is that of sheets. rest: particles x 3, m. *out is NULL if no
- * body has a surface. */
-pdyn_status samples_create(pdyn_context *context, int bodies, const pdyn_body *body, int particles,
-                           const double *rest, const struct sampling *sampling,
+struct samples_def { /* what samples are made from */
+    int bodies;
+    const pdyn_body *body;
+    int particles;      /* of the system */
+    const double *rest; /* particles x 3, m */
+    const struct boundary_model *model;
+    const struct kernel_model *kernel;
+    double spacing;              /* m, of the fluid's particles */
+    double thickness;            /* m, of sheets */
+    const struct border *border; /* of the surfaces */
+};
+
+/* Samples all surfaces. *out is NULL if no body has one. */
+pdyn_status samples_create(pdyn_context *context, const struct samples_def *def,
                            struct surface_samples **out);
 void samples_free(struct surface_samples *samples);
 

@@ -99,17 +99,20 @@ static pdyn_status make_limits(struct pdyn_sim *sim) {
 pdyn_status lists_create(struct pdyn_sim *sim) {
     double spacing = sim_spacing(sim);
     if (spacing == 0.0) return PDYN_OK;
-    const struct sampling sampling = {
-        .model = sim->scene.settings.boundary,
+    const struct boundary_model *model = sim->scene.settings.boundary;
+    const struct samples_def samples = {
+        .bodies = sim->bodies,
+        .body = sim->body,
+        .particles = sim->objective.particles,
+        .rest = sim->rest,
+        .model = model,
         .kernel = sim->scene.settings.kernel,
         .spacing = spacing,
-        .border = &sim->border,
-        .thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0};
+        .thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0,
+        .border = &sim->border};
     pdyn_status status = solid_points_sample(sim, spacing);
-    if (status == PDYN_OK) status = create_border(sim, sampling.model->strip * spacing);
-    if (status == PDYN_OK)
-        status = samples_create(sim->context, sim->bodies, sim->body, sim->objective.particles,
-                                sim->rest, &sampling, &sim->objective.samples);
+    if (status == PDYN_OK) status = create_border(sim, model->strip * spacing);
+    if (status == PDYN_OK) status = samples_create(sim->context, &samples, &sim->objective.samples);
     if (status == PDYN_OK) status = create_neighbours(sim, spacing);
     if (status == PDYN_OK) status = make_limits(sim);
     if (status != PDYN_OK) return status;
