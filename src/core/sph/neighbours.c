@@ -82,17 +82,13 @@ static void fill_points(struct neighbours *n, const struct neighbours_points *po
     n->far_volume = samples->rest_volume;
 }
 
-static double boundary_reach(const struct neighbours *n, int part) {
-    return part < PATCHES ? n->reach : n->surface_reach;
-}
-
 static pdyn_status create_grids(struct neighbours *n) {
     pdyn_status status = grid_create(n->context, n->max_centres, n->reach, &n->fluid);
     if (status == PDYN_OK)
         status = grid_create(n->context, n->surface_points, n->surface_reach, &n->surface);
     for (int part = 0; part < BOUNDARY_PARTS && status == PDYN_OK; part++)
-        status = grid_create(n->context, n->part[part + 1] - n->part[part], boundary_reach(n, part),
-                             &n->boundary[part]);
+        status = grid_create(n->context, n->part[part + 1] - n->part[part],
+                             part < PATCHES ? n->reach : n->surface_reach, &n->boundary[part]);
     return status;
 }
 
@@ -219,30 +215,38 @@ bool neighbours_are_valid(struct neighbours *n, const double *x) {
 
 /* ---- build ----------------------------------------------------------------------------------- */
 
-/* State of a search: the last neighbourhood in each grid. Particles are processed in the order of
- * their cells, so that the neighbourhood is computed once per cell. */
-struct search {
-    struct grid_cells fluid, surface, boundary[BOUNDARY_PARTS];
-    int *list; /* the block's part of `index` */
-    int used;  /* number of entries */
+struct source { /* the points of a grid */
+    const struct grid *grid;
+    int first; /* is added to their ids */
+    /* around the last particle; the particles of a cell come one after the other, so that its
+     * neighbourhood is computed once */
+    struct grid_cells cells;
 };
 
-/* Appends the points of a grid closer than `reach`, m, to `at`, except i; `first` is added to their
- * ids. Entries beyond the room of the block are counted, not written. */
-static void append(struct neighbours *n, struct search *w, const struct grid *grid,
-                   struct grid_cells *cells, const double *at, int i, double reach, int first) {
-    int written = w->used < n->room ? w->used : n->room, room = n->room - written;
-    int *list = w->list + written;
-    if (!grid->points) return;
-    grid_update_cells(grid, at, cells);
-    int found = grid_query(grid, cells, at, reach, i, list, room);
-    for (int k = 0; first && k < found && k < room; k++) list[k] += first;
-    w->used += found;
+struct search { /* of the neighbours of a block of slots */
+    struct source fluid, surface, boundary[BOUNDARY_PARTS];
+    int *list, room; /* the block's part of `index` */
+    int used;        /* number of entries */
+};
+
+static struct search begin_search(const struct neighbours *n, int *list) {
+    struct search w = {.list = list, .room = n->room};
+    w.fluid.grid = &n->fluid, w.surface.grid = &n->surface;
+    for (int part = 0; part < BOUNDARY_PARTS; part++)
+        w.boundary[part].grid = &n->boundary[part], w.boundary[part].first = n->view.particles;
+    return w;
 }
 
-static void append_boundary(struct neighbours *n, struct search *w, const double *at, int part) {
-    append(n, w, &n->boundary[part], &w->boundary[part], at, -1, boundary_reach(n, part),
-           n->view.particles);
+/* Appends the points of a source closer than `reach`, m, to `at`, except i. Entries beyond the room
+ * of the block are counted, not written. */
+static void append(struct search *w, struct source *from, const double *at, double reach, int i) {
+    int written = w->used < w->room ? w->used : w->room, room = w->room - written;
+    int *list = w->list + written;
+    if (!from->grid->points) return;
+    grid_update_cells(from->grid, at, &from->cells);
+    int found = grid_query(from->grid, &from->cells, at, reach, i, list, room);
+    for (int k = 0; from->first && k < found && k < room; k++) list[k] += from->first;
+    w->used += found;
 }
 
 /* The particle of a slot: slots are particles in the order of their cells, centres first. */
@@ -255,21 +259,21 @@ static void fill_lists(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct neighbours *n = c->n;
     int begin = block * (n->room + 1);
-    struct search w = {.list = n->lists.index + begin};
+    struct search w = begin_search(n, n->lists.index + begin);
     for (int k = first; k < last; k++) {
         int i = point_in_slot(n, k);
         const double *at = c->x + 3 * (size_t)i;
         bool centre = n->centre[i], near_surfaces = centre && !(n->apart && n->apart[i]);
         n->lists.start[i] = begin + w.used;
-        append(n, &w, &n->fluid, &w.fluid, at, i, centre ? n->reach : n->surface_reach, 0);
+        append(&w, &w.fluid, at, centre ? n->reach : n->surface_reach, i);
         n->lists.surface_start[i] = begin + w.used;
-        if (near_surfaces) append(n, &w, &n->surface, &w.surface, at, -1, n->surface_reach, 0);
+        if (near_surfaces) append(&w, &w.surface, at, n->surface_reach, -1);
         n->lists.boundary_start[i] = begin + w.used;
         for (int part = WALLS; near_surfaces && part < PATCHES; part++)
-            append_boundary(n, &w, at, part);
+            append(&w, &w.boundary[part], at, n->reach, -1);
         n->lists.patch_start[i] = begin + w.used;
         for (int part = PATCHES; near_surfaces && part < BOUNDARY_PARTS; part++)
-            append_boundary(n, &w, at, part);
+            append(&w, &w.boundary[part], at, n->surface_reach, -1);
         n->lists.end[i] = begin + w.used;
     }
     n->used[block] = w.used;
