@@ -20,10 +20,9 @@ static void predict_with_acceleration(struct pdyn_sim *sim, double *x) {
     objective_axpy(&sim->objective, h_e * h_e, sim->constraint_acceleration, x);
 }
 
-/* The local step at x, where every point is stopped on its path from the state sim->x by surfaces.
- * *least: the smallest part of its path that a point has gone. */
-static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, double *energy,
-                            double *gradient) {
+/* Stops every point on its path from the state sim->x to x where surfaces are in its way. *least:
+ * the smallest part of its path that a point goes. */
+static pdyn_status stop_paths(struct pdyn_sim *sim, double *x, double *least) {
     struct contact *contact = sim->objective.contact;
     *least = 1.0;
     iterate_retract(sim, x);
@@ -35,6 +34,13 @@ static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, doub
     pdyn_status status = contact ? contact_filter_start(contact, sim->x, x) : PDYN_OK;
     if (contact) *least = fmin(*least, contact_least(contact));
     iterate_retract(sim, x);
+    return status;
+}
+
+/* The local step at x, where paths to x are stopped. */
+static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *energy, double *gradient) {
+    double unused;
+    pdyn_status status = stop_paths(sim, x, &unused);
     return status == PDYN_OK ? objective_local(&sim->objective, x, energy, gradient) : status;
 }
 
@@ -55,11 +61,11 @@ static void set_path_starts(const struct pdyn_sim *sim, double *x) {
 /* The local step at a part of the way from where paths begin to s; pushed particles go the whole
  * way. */
 static pdyn_status start_between(struct pdyn_sim *sim, double part, double *energy) {
-    double least, *x = sim->x_next;
+    double *x = sim->x_next;
     set_path_starts(sim, x);
     for (int k = 0; k < 3 * sim->objective.particles; k++)
         x[k] += (particle_is_pushed(sim, k / 3) ? 1.0 : part) * (sim->objective.s[k] - x[k]);
-    return start_at(sim, x, &least, energy, sim->gradient);
+    return start_at(sim, x, energy, sim->gradient);
 }
 
 /* The inertial energy where paths begin: a lower bound of E there, J. Changes sim->trial. */
@@ -81,7 +87,9 @@ enum { SHORTER_STARTS = 6 }; /* that are tried before the step starts at the sta
  */
 static pdyn_status start_inertia(struct pdyn_sim *sim, double *energy) {
     double least, bound;
-    pdyn_status status = start_at(sim, sim->x_next, &least, energy, sim->gradient);
+    pdyn_status status = stop_paths(sim, sim->x_next, &least);
+    if (status == PDYN_OK)
+        status = objective_local(&sim->objective, sim->x_next, energy, sim->gradient);
     if (status != PDYN_OK || least == 1.0 || *energy <= inertial_energy_at_begin(sim))
         return status;
     status = start_between(sim, 0.0, &bound);
@@ -115,8 +123,8 @@ static bool predict_without_forces(const struct pdyn_sim *sim, double *x) {
 /* Starts at the trial where that lowers E. Otherwise the iterate stays; *elsewhere: the local step
  * was not there. */
 static pdyn_status try_start(struct pdyn_sim *sim, double *energy, bool *elsewhere) {
-    double least, other;
-    pdyn_status status = start_at(sim, sim->trial, &least, &other, sim->trial_gradient);
+    double other;
+    pdyn_status status = start_at(sim, sim->trial, &other, sim->trial_gradient);
     if (status != PDYN_OK) return status;
     *elsewhere = !(other < *energy);
     if (*elsewhere) return PDYN_OK;
@@ -129,7 +137,6 @@ static pdyn_status try_start(struct pdyn_sim *sim, double *energy, bool *elsewhe
  * step, except after a step that was cut short: its error would be handed on. */
 static pdyn_status start_positions(struct pdyn_sim *sim, double *energy) {
     bool elsewhere = false;
-    double least;
     pdyn_status status = start_inertia(sim, energy);
     if (status == PDYN_OK && predict_without_forces(sim, sim->trial))
         status = try_start(sim, energy, &elsewhere);
@@ -138,19 +145,19 @@ static pdyn_status start_positions(struct pdyn_sim *sim, double *energy) {
         status = try_start(sim, energy, &elsewhere);
     }
     if (status != PDYN_OK || !elsewhere) return status;
-    return start_at(sim, sim->x_next, &least, energy, sim->gradient);
+    return start_at(sim, sim->x_next, energy, sim->gradient);
 }
 
 /* A dual solver keeps its multipliers, so a step starts at s. A fluid at rest, which moves less
  * than its constraints move it in a step, starts at s + h_e^2 a: there it is solved. */
 static pdyn_status start_multipliers(struct pdyn_sim *sim, double *energy) {
     struct objective *objective = &sim->objective;
-    double moved = objective_dot(objective, sim->v, sim->v), least;
+    double moved = objective_dot(objective, sim->v, sim->v);
     double pushed =
         objective->h * objective->h *
         objective_dot(objective, sim->constraint_acceleration, sim->constraint_acceleration);
     if (moved < pushed) predict_with_acceleration(sim, sim->x_next);
-    return start_at(sim, sim->x_next, &least, energy, sim->gradient);
+    return start_at(sim, sim->x_next, energy, sim->gradient);
 }
 
 pdyn_status start_point(struct pdyn_sim *sim, double *energy) {
