@@ -1,4 +1,4 @@
-/* Loads on solids: sums of the forces of operators and contact pairs. */
+/* Loads on solids: sums of the forces of operators and contact pairs. Loads on bodies. */
 #include "solid_load.h"
 
 #include "base/bad_call.h"
@@ -33,8 +33,8 @@ static void add_point_forces(const struct pdyn_sim *sim, const double *force) {
 }
 
 /* The operator takes its multipliers from the call of `force` before. */
-static void add_operator(const struct pdyn_sim *sim, const struct batch *b) {
-    batch_force((struct batch *)b, b->one_sided.mean, sim->trial);
+static void add_operator(const struct pdyn_sim *sim, struct batch *b) {
+    batch_force(b, b->one_sided.mean, sim->trial);
     b->type->matrix_free->boundary_force(b->op, sim->loads->force);
 }
 
@@ -75,7 +75,7 @@ static void add_fluid(const struct pdyn_sim *sim) {
     }
     add_moments_of_faces(sim);
     for (int b = 0; b < sim->objective.batches; b++) {
-        const struct batch *batch = sim->objective.batch[b];
+        struct batch *batch = sim->objective.batch[b];
         if (batch->op && batch->type->matrix_free->boundary_force) add_operator(sim, batch);
     }
     add_point_forces(sim, sim->loads->force);
@@ -160,10 +160,6 @@ const struct load *solid_load_compute(const struct pdyn_sim *sim, pdyn_load_sour
     add_contact(sim);
     l->summed = true;
     return l->solid[source];
-}
-
-const char *pdyn_solid_name(const pdyn_sim *sim, int solid) {
-    return sim && solid >= 0 && solid < sim->scene.solids ? sim->scene.solid[solid].name : NULL;
 }
 
 static void copy_solid_load(const pdyn_sim *sim, int solid, pdyn_load_source source,

@@ -29,6 +29,10 @@ const char *pdyn_step_type(const pdyn_sim *sim) {
     return !sim ? "" : sim->scene.settings.newton ? "newton" : "projective";
 }
 
+const char *pdyn_solid_name(const pdyn_sim *sim, int solid) {
+    return sim && solid >= 0 && solid < sim->scene.solids ? sim->scene.solid[solid].name : NULL;
+}
+
 void pdyn_observe(pdyn_sim *sim, void (*observer)(void *user, const pdyn_iteration *), void *user) {
     if (!sim) return;
     sim->observer = observer;
