@@ -18,16 +18,26 @@ void warn_of_memory(struct pdyn_sim *sim);
 /* Raises warnings about values that are legal but surely not meant. */
 pdyn_status warn_of_scene(struct pdyn_sim *sim);
 /* The same about meshes, about inlets, outlets and times, about values in a wrong unit or with a
- * wrong sign, and about surfaces in a fluid: parts of it. */
+ * wrong sign, about surfaces in a fluid, and about solids with many boundary points: parts of it.
+ */
 void warn_of_meshes(struct pdyn_sim *sim);
 pdyn_status warn_of_flow(struct pdyn_sim *sim);
 void warn_of_values(struct pdyn_sim *sim);
 void warn_of_water(struct pdyn_sim *sim);
+void warn_of_points(struct pdyn_sim *sim);
 
 /* Warns of particles of a body that are too close to each other, from the neighbour lists. */
 void warn_of_fills(struct pdyn_sim *sim, int body);
 /* Warns of a body of particles without room for the contact thickness of surfaces. */
 pdyn_status warn_of_room(struct pdyn_sim *sim, int body);
+
+/* Raises warnings about the step that was just accepted. */
+void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info);
+/* Warns of particles in gaps without room for them, a part of it. density_error_max: of the step.
+ */
+void warn_of_gaps(struct pdyn_sim *sim, double density_error_max);
+
+/* ---- what several of them need --------------------------------------------------------------- */
 
 /* Mean length of the edges of a surface at rest, m. */
 double warn_mean_edge(const pdyn_body *body);
@@ -37,10 +47,5 @@ const pdyn_path *warn_path(const struct scene_constraint *constraint);
 bool warn_is_held(const struct scene_body *body);
 /* The body of particles with the least rest density; NULL: there is none. */
 const pdyn_body *warn_lightest_fluid(const struct pdyn_sim *sim);
-/* Warns of particles in gaps without room for them. density_error_max: of the step. */
-void warn_of_gaps(struct pdyn_sim *sim, double density_error_max);
-
-/* Raises warnings about the step that was just accepted. */
-void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info);
 
 #endif

@@ -5,12 +5,9 @@
 #include "timestep.h"
 #include "warn.h"
 
-#include "projdyn/kernel.h"
 #include "projdyn/vec3.h"
 
 #include <string.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 /* Ranges of values that occur in practice. */
 static const double min_density = 10.0, max_density = 3e4;             /* kg/m^3 */
@@ -280,41 +277,6 @@ static void check_probes(struct pdyn_sim *sim) {
     }
 }
 
-/* Bytes that the program may have: those of the machine, or fewer by `ulimit -v`. */
-static double memory_of_machine(void) {
-    struct rlimit limit;
-    double bytes = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
-    if (getrlimit(RLIMIT_AS, &limit) || limit.rlim_cur == RLIM_INFINITY) return bytes;
-    return fmin(bytes, (double)limit.rlim_cur);
-}
-
-void warn_of_memory(struct pdyn_sim *sim) {
-    double particles = 0.0, machine = memory_of_machine();
-    double particle = sim->scene.settings.kernel->memory;
-    for (int b = 0; b < sim->bodies; b++)
-        if (body_is_particles(&sim->body[b])) particles += sim->body[b].count;
-    if (particles * particle > machine)
-        WARN(sim, MEMORY, "",
-             "%.0f particles take about %.2g GB, and there are %.2g GB; expected a larger radius",
-             particles, particles * particle * 1e-9, machine * 1e-9);
-}
-
-/* Solids with so many boundary points, and more than the scene has particles, cost without use. */
-static const int max_points = 500000;
-/* Bytes of a boundary point with its place in the neighbour lists. */
-static const double point_memory = 290.0;
-
-static void check_points(struct pdyn_sim *sim, int solid) {
-    int count = 0;
-    if (sim->boundary.at.count <= max_points) return;
-    for (int k = 0; k < sim->boundary.at.count; k++) count += sim->boundary.point[k].solid == solid;
-    if (count <= max_points || count <= sim->objective.particles) return;
-    WARN(sim, LARGE, sim->scene.solid[solid].name,
-         "its surface has %d boundary points, which take about %.2g GB; expected a solid no larger "
-         "than fluid reaches, or larger particles",
-         count, count * point_memory * 1e-9);
-}
-
 pdyn_status warn_of_scene(struct pdyn_sim *sim) {
     check_fixed(sim);
     check_duration(sim);
@@ -327,7 +289,7 @@ pdyn_status warn_of_scene(struct pdyn_sim *sim) {
     pdyn_status status = warn_of_flow(sim);
     warn_of_values(sim);
     warn_of_water(sim);
-    for (int s = 0; s < sim->scene.solids; s++) check_points(sim, s);
+    warn_of_points(sim);
     for (int b = 0; b < sim->bodies && status == PDYN_OK; b++) {
         check_constraints(sim, b);
         check_effect(sim, b);
