@@ -316,7 +316,7 @@ static void test_pair(void **state) {
     for (int n = 0; n < 40; n++) {
         pdyn_step_info info = test_step(context, sim);
         assert_true(info.step_residual <= 0.1);
-        pairs += sim->objective.rigid->pairs;
+        pairs += sim->objective.rigid_matrix->pairs;
     }
     struct momenta end = momenta_of(sim);
     assert_true(pairs > 0 && sim->model.remainder->model.bodies_alone);

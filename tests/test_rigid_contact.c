@@ -119,8 +119,8 @@ static void test_matrix(void **state) {
     assert_int_equal(objective_linearise(o, 0.0), PDYN_OK);
     objective_diagonal(o, PDYN_WHOLE, blocks);
     objective_apply(o, u, y);
-    rigid_matrix_solve(o->rigid, y, z);
-    assert_true(o->rigid->closed && o->rigid->pairs == 4);
+    rigid_matrix_solve(o->rigid_matrix, y, z);
+    assert_true(o->rigid_matrix->closed && o->rigid_matrix->pairs == 4);
     for (int k = 0; k < n; k++) largest = fmax(largest, fabs(z[k] - u[k]));
     assert_true(largest < 1e-8);
     pdyn_free(sim);

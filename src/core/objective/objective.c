@@ -178,7 +178,8 @@ pdyn_status objective_linearise(struct objective *o, double eps) {
     o->eps = eps;
     for (int b = 0; status == PDYN_OK && b < o->batches; b++)
         status = batch_linearise(o->batch[b], eps);
-    if (o->rigid && status == PDYN_OK) status = rigid_matrix_couple(o->rigid, o->batch, o->batches);
+    if (o->rigid && status == PDYN_OK)
+        status = rigid_matrix_couple(o->rigid_matrix, o->batch, o->batches);
     return status;
 }
 
@@ -251,7 +252,7 @@ static void sum_diagonal(struct objective *o, pdyn_part part, add_diagonal_fn *a
     for (int b = 0; b < o->batches; b++)
         if (part == PDYN_WHOLE || !batch_is_static(o->batch[b])) add(o->batch[b], blocks);
     if (!o->rigid) return;
-    if (part == PDYN_WHOLE) rigid_matrix_factor(o->rigid, blocks);
+    if (part == PDYN_WHOLE) rigid_matrix_factor(o->rigid_matrix, blocks);
     rigid_map_close_blocks(o->rigid, 1.0 / (o->h * o->h), blocks);
 }
 

@@ -60,10 +60,11 @@ struct objective {
     unsigned weights_revision;   /* changes when weights do, for another reason than h */
 
     /* What follows the particles. */
-    struct neighbours *neighbours;   /* NULL where no constraint needs them */
-    unsigned lists_revision;         /* of the lists that batches have */
-    struct surface_samples *samples; /* on surfaces, for SPH sums; NULL: none */
-    struct rigid_map *rigid;         /* NULL in a scene without rigid bodies */
+    struct neighbours *neighbours;     /* NULL where no constraint needs them */
+    unsigned lists_revision;           /* of the lists that batches have */
+    struct surface_samples *samples;   /* on surfaces, for SPH sums; NULL: none */
+    struct rigid_map *rigid;           /* NULL in a scene without rigid bodies */
+    struct rigid_matrix *rigid_matrix; /* the same */
 
     /* Scratch and measurements. */
     double *without_load; /* particles x 3, N: the gradient before a load (residual.c); NULL: no

@@ -46,7 +46,7 @@ static void remainder_diagonal(pdyn_model *model, pdyn_part part, double *blocks
 }
 
 static void solve_bodies(pdyn_model *model, const double *r, double *z) {
-    rigid_matrix_solve(objective_of(model)->rigid, r, z);
+    rigid_matrix_solve(objective_of(model)->rigid_matrix, r, z);
 }
 
 static double dot(pdyn_model *model, const double *a, const double *b) {
@@ -162,7 +162,8 @@ static void force(pdyn_model *model, int k, const double *multiplier, double *ou
 static void update_remainder(struct solver_view *remainder, const struct solver_view *whole) {
     struct objective *o = remainder->objective;
     remainder->model.h = o->h, remainder->model.eps = o->eps;
-    remainder->model.bodies_alone = o->rigid && o->rigid->closed && !whole->model.elements_count;
+    remainder->model.bodies_alone =
+        o->rigid && o->rigid_matrix->closed && !whole->model.elements_count;
     memcpy(remainder->in_rows, whole->in_rows, (size_t)o->particles * sizeof *remainder->in_rows);
     for (int b = 0; b < o->batches; b++)
         if (batch_comes_and_goes(o->batch[b])) batch_mark_selected(o->batch[b], remainder->in_rows);

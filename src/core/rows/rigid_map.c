@@ -110,15 +110,21 @@ static bool is_rotation(const double A[9]) {
     return worst <= rigid_enough;
 }
 
-void rigid_for_bodies(const struct rigid_map *map, pdyn_range_fn *fn, const double *in,
-                      double *out) {
-    struct rigid_loop loop = {map, in, out};
+struct loop { /* the arguments of a parallel loop over bodies */
+    const struct rigid_map *map;
+    const double *in;
+    double *out;
+};
+
+static void for_bodies(const struct rigid_map *map, pdyn_range_fn *fn, const double *in,
+                       double *out) {
+    struct loop loop = {map, in, out};
     pool_for(map->context->pool, map->bodies, RIGID_GRAIN, fn, &loop);
 }
 
 static void retract(void *arg, int first, int last, int block) {
     (void)block;
-    const struct rigid_loop *c = arg;
+    const struct loop *c = arg;
     for (int k = first; k < last; k++) {
         const struct rigid_body *b = &c->map->body[k];
         double A[9], R[9], centre[3];
@@ -131,12 +137,12 @@ static void retract(void *arg, int first, int last, int block) {
 }
 
 void rigid_map_retract(const struct rigid_map *map, double *x) {
-    rigid_for_bodies(map, retract, NULL, x);
+    for_bodies(map, retract, NULL, x);
 }
 
 static void update(void *arg, int first, int last, int block) {
     (void)block;
-    const struct rigid_loop *c = arg;
+    const struct loop *c = arg;
     for (int k = first; k < last; k++) {
         struct rigid_body *b = &c->map->body[k];
         double centre[3], I[9];
@@ -149,9 +155,7 @@ static void update(void *arg, int first, int last, int block) {
     }
 }
 
-void rigid_map_update(struct rigid_map *map, const double *x) {
-    rigid_for_bodies(map, update, x, NULL);
-}
+void rigid_map_update(struct rigid_map *map, const double *x) { for_bodies(map, update, x, NULL); }
 
 /* ---- displacements and forces ---------------------------------------------------------------- */
 
@@ -185,7 +189,7 @@ static void mean_motion(const struct rigid_body *b, const double sum[RIGID_SIZE]
 
 static void extend(void *arg, int first, int last, int block) {
     (void)block;
-    const struct rigid_loop *c = arg;
+    const struct loop *c = arg;
     for (int k = first; k < last; k++) {
         const struct rigid_body *b = &c->map->body[k];
         double sum[RIGID_SIZE], motion[RIGID_SIZE];
@@ -195,9 +199,7 @@ static void extend(void *arg, int first, int last, int block) {
     }
 }
 
-void rigid_map_extend(const struct rigid_map *map, double *u) {
-    rigid_for_bodies(map, extend, NULL, u);
-}
+void rigid_map_extend(const struct rigid_map *map, double *u) { for_bodies(map, extend, NULL, u); }
 
 const double *rigid_map_extended(struct rigid_map *map, const double *u) {
     memcpy(map->input, u, 3 * (size_t)map->particles * sizeof *u);
@@ -207,7 +209,7 @@ const double *rigid_map_extended(struct rigid_map *map, const double *u) {
 
 static void pull(void *arg, int first, int last, int block) {
     (void)block;
-    const struct rigid_loop *c = arg;
+    const struct loop *c = arg;
     for (int k = first; k < last; k++) {
         const struct rigid_body *b = &c->map->body[k];
         double sum[RIGID_SIZE], motion[RIGID_SIZE];
@@ -218,9 +220,7 @@ static void pull(void *arg, int first, int last, int block) {
     }
 }
 
-void rigid_map_pull(const struct rigid_map *map, double *y) {
-    rigid_for_bodies(map, pull, NULL, y);
-}
+void rigid_map_pull(const struct rigid_map *map, double *y) { for_bodies(map, pull, NULL, y); }
 
 void rigid_map_close_blocks(const struct rigid_map *map, double inertia, double *blocks) {
     for (int k = 0; k < map->bodies; k++) {
@@ -261,16 +261,10 @@ static double mass_at(const struct rigid_body *b, const double *r) {
 }
 
 static bool resize(struct rigid_map *map, enum array_action action) {
-    size_t n = RIGID_SIZE * (size_t)map->bodies;
     const struct array_entry table[] = {
         ARRAY(map->input, 3 * (size_t)map->particles + 1),
         ARRAY(map->effective_mass, map->particles),
         ARRAY(map->owner, map->particles),
-        ARRAY(map->solve.x, n),
-        ARRAY(map->solve.r, n),
-        ARRAY(map->solve.p, n),
-        ARRAY(map->solve.q, n),
-        ARRAY(map->solve.z, n),
     };
     bool good = context_arrays(map->context, table, ARRAY_ROWS(table), action);
     for (int k = 0; k < map->bodies; k++) {
@@ -307,7 +301,6 @@ void rigid_map_free(struct rigid_map *map) {
     if (!map) return;
     pdyn_context *c = map->context;
     resize(map, ARRAYS_FREE);
-    FREE_ARRAY(c, map->pair, map->pair_room);
     FREE_ARRAY(c, map->body, map->bodies);
     FREE_ARRAY(c, map, 1);
 }

@@ -26,9 +26,6 @@ struct rigid_body {
     double *arm;                   /* (vertices + 4) x 3, m: r at the last update */
     double inverse[9];  /* 1/m^2: of sum over points of |r|^2 I - r r', at the last update */
     double momentum[3]; /* kg m^2/s: angular momentum of the base of the step (rigid_bodies.h) */
-    double coupled[36], block[36], factor[36]; /* rigid_matrix.h: what rows add to B_aa between
-                                                   different particles, B_aa, its factor */
-    int last_pair; /* of the pairs with this body first; -1: there is none */
 };
 
 /* Particles of the system that the body has: its vertices, then its points. */
@@ -40,12 +37,6 @@ static inline int rigid_body_end(const struct rigid_body *body) {
     return body->first + rigid_body_particles(body);
 }
 
-struct rigid_pair { /* bodies that a row ties, a < b */
-    int a, b;
-    int before; /* the pair before with the same a; -1: there is none */
-    double block[36];
-};
-
 struct rigid_map {
     pdyn_context *context;
     int particles; /* of the system */
@@ -55,14 +46,6 @@ struct rigid_map {
     double *effective_mass;  /* particles, kg: of a vertex, the mass that a force there accelerates,
                                 in  the mean over its directions; the mass of other particles */
     int *owner;              /* particles: the body; -1: none */
-    struct rigid_pair *pair; /* rigid_matrix.h: pairs, in the order of the rows */
-    size_t pair_room;
-    int pairs;
-    bool closed; /* rows that come and go select particles of rigid bodies alone */
-    struct {
-        double *x, *r, *p, *q, *z; /* bodies x 6: solution, residual, direction, product, corrected
-                                      residual */
-    } solve;                       /* rigid_matrix.c */
 };
 
 /* rest: particles x 3, m; mass: particles, kg. Bodies have `first`, `vertices` and `mass`; the
@@ -87,14 +70,6 @@ void rigid_map_pull(const struct rigid_map *map, double *y);
 
 /* The vertices' blocks become I times inertia x mass. */
 void rigid_map_close_blocks(const struct rigid_map *map, double inertia, double *blocks);
-
-struct rigid_loop { /* the arguments of a parallel loop over bodies */
-    const struct rigid_map *map;
-    const double *in;
-    double *out;
-};
-void rigid_for_bodies(const struct rigid_map *map, pdyn_range_fn *fn, const double *in,
-                      double *out);
 
 /* ---- one body -------------------------------------------------------------------------------- */
 

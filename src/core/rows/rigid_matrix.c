@@ -6,12 +6,54 @@
 #include <math.h>
 #include <string.h>
 
-enum { SIZE = RIGID_SIZE, BLOCK = SIZE * SIZE };
+enum { SIZE = RIGID_SIZE, BLOCK = RIGID_BLOCK };
 enum { MAX_ITERATIONS = 500 };
 
 /* Reduction of the residual in the norm of the preconditioner: exact beside the solve of a fluid.
  */
 static const double tolerance = 1e-10;
+
+/* ---- creation -------------------------------------------------------------------------------- */
+
+static bool resize(struct rigid_matrix *m, enum array_action action) {
+    size_t n = SIZE * (size_t)m->map->bodies;
+    const struct array_entry table[] = {
+        ARRAY(m->body, m->map->bodies),
+        ARRAY(m->x, n),
+        ARRAY(m->r, n),
+        ARRAY(m->p, n),
+        ARRAY(m->q, n),
+        ARRAY(m->z, n),
+    };
+    return context_arrays(m->map->context, table, ARRAY_ROWS(table), action);
+}
+
+pdyn_status rigid_matrix_create(const struct rigid_map *map, struct rigid_matrix **out) {
+    struct rigid_matrix *m = *out = NEW_ARRAY(map->context, 1, struct rigid_matrix);
+    if (!m) return PDYN_NO_MEMORY;
+    m->map = map;
+    return resize(m, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+void rigid_matrix_free(struct rigid_matrix *m) {
+    if (!m) return;
+    pdyn_context *c = m->map->context;
+    resize(m, ARRAYS_FREE);
+    FREE_ARRAY(c, m->pair, m->room);
+    FREE_ARRAY(c, m, 1);
+}
+
+struct loop { /* the arguments of a parallel loop over bodies */
+    const struct rigid_matrix *matrix;
+    const double *in;
+    double *out;
+};
+
+static void for_bodies(const struct rigid_matrix *m, pdyn_range_fn *fn, const double *in,
+                       double *out) {
+    struct loop loop = {m, in, out};
+    pool_for(m->map->context->pool, m->map->bodies, RIGID_GRAIN, fn, &loop);
+}
 
 /* ---- blocks ---------------------------------------------------------------------------------- */
 
@@ -38,17 +80,17 @@ static void add_transposed(double *P, const double *Q) {
 }
 
 /* The block of bodies a < b; a new one is 0. NULL: no memory. */
-static double *pair_block(struct rigid_map *map, int a, int b) {
-    struct rigid_body *body = &map->body[a];
-    for (int p = body->last_pair; p >= 0; p = map->pair[p].before)
-        if (map->pair[p].b == b) return map->pair[p].block;
-    struct rigid_pair *grown = context_grow(map->context, map->pair, &map->pair_room,
-                                            (size_t)map->pairs + 1, sizeof *grown);
+static double *pair_block(struct rigid_matrix *m, int a, int b) {
+    struct rigid_part *body = &m->body[a];
+    for (int p = body->last_pair; p >= 0; p = m->pair[p].before)
+        if (m->pair[p].b == b) return m->pair[p].block;
+    struct rigid_pair *grown =
+        context_grow(m->map->context, m->pair, &m->room, (size_t)m->pairs + 1, sizeof *grown);
     if (!grown) return NULL;
-    map->pair = grown;
-    grown[map->pairs] = (struct rigid_pair){.a = a, .b = b, .before = body->last_pair};
-    body->last_pair = map->pairs;
-    return grown[map->pairs++].block;
+    m->pair = grown;
+    grown[m->pairs] = (struct rigid_pair){.a = a, .b = b, .before = body->last_pair};
+    body->last_pair = m->pairs;
+    return grown[m->pairs++].block;
 }
 
 /* The arm of a particle of body b. */
@@ -57,44 +99,48 @@ static const double *arm_of(const struct rigid_body *b, int particle) {
 }
 
 /* Adds the part of H between entries k and m of an element, which select particles of bodies. */
-static pdyn_status couple_entries(struct rigid_map *map, const struct batch *batch, int k, int m) {
+static pdyn_status couple_entries(struct rigid_matrix *matrix, const struct batch *batch, int k,
+                                  int m) {
+    const struct rigid_map *map = matrix->map;
     int i = batch->view.column[k], j = batch->view.column[m];
     int a = map->owner[i], b = map->owner[j];
     double D[9], P[BLOCK] = {0}, c = batch->view.coefficient[k] * batch->view.coefficient[m];
     if (i == j || c == 0.0) return PDYN_OK; /* of the block diagonal; nothing */
     batch_block(batch, k, m, D);
     add_block(P, c, arm_of(&map->body[a], i), D, arm_of(&map->body[b], j));
-    double *to = a == b ? map->body[a].coupled : pair_block(map, a < b ? a : b, a < b ? b : a);
+    double *to =
+        a == b ? matrix->body[a].coupled : pair_block(matrix, a < b ? a : b, a < b ? b : a);
     if (!to) return PDYN_NO_MEMORY;
     if (a >= b) add_transposed(to, P);
     if (a <= b) add(to, P);
     return PDYN_OK;
 }
 
-static pdyn_status couple_element(struct rigid_map *map, const struct batch *batch, int e) {
+static pdyn_status couple_element(struct rigid_matrix *matrix, const struct batch *batch, int e) {
+    const int *owner = matrix->map->owner;
     const pdyn_batch *v = &batch->view;
     int first = v->row_entry[v->element_row[e]], last = v->row_entry[v->element_row[e + 1]];
     pdyn_status status = PDYN_OK;
     for (int k = first; k < last; k++) {
-        bool owned = map->owner[v->column[k]] >= 0;
-        map->closed &= owned || v->coefficient[k] == 0.0;
+        bool owned = owner[v->column[k]] >= 0;
+        matrix->closed &= owned || v->coefficient[k] == 0.0;
         for (int m = first; owned && m < k && status == PDYN_OK; m++)
-            if (map->owner[v->column[m]] >= 0) status = couple_entries(map, batch, k, m);
+            if (owner[v->column[m]] >= 0) status = couple_entries(matrix, batch, k, m);
     }
     return status;
 }
 
-pdyn_status rigid_matrix_couple(struct rigid_map *map, struct batch *const *batch, int batches) {
+pdyn_status rigid_matrix_couple(struct rigid_matrix *m, struct batch *const *batch, int batches) {
     pdyn_status status = PDYN_OK;
-    map->closed = true, map->pairs = 0;
-    for (int k = 0; k < map->bodies; k++) {
-        map->body[k].last_pair = -1;
-        memset(map->body[k].coupled, 0, sizeof map->body[k].coupled);
+    m->closed = true, m->pairs = 0;
+    for (int k = 0; k < m->map->bodies; k++) {
+        m->body[k].last_pair = -1;
+        memset(m->body[k].coupled, 0, sizeof m->body[k].coupled);
     }
     for (int b = 0; b < batches; b++) {
         if (!batch_comes_and_goes(batch[b])) continue;
         for (int e = 0; e < batch[b]->view.elements && status == PDYN_OK; e++)
-            status = couple_element(map, batch[b], e);
+            status = couple_element(m, batch[b], e);
     }
     return status;
 }
@@ -111,21 +157,22 @@ static void factor(const double *B, double *L) {
 
 static void factor_bodies(void *arg, int first, int last, int block) {
     (void)block;
-    const struct rigid_loop *c = arg;
+    const struct loop *c = arg;
     for (int k = first; k < last; k++) {
-        struct rigid_body *b = &c->map->body[k];
-        memcpy(b->block, b->coupled, sizeof b->block);
+        const struct rigid_body *b = &c->matrix->map->body[k];
+        struct rigid_part *part = &c->matrix->body[k];
+        memcpy(part->block, part->coupled, sizeof part->block);
         for (int i = b->first; i < rigid_body_end(b); i++) {
             const double *p = c->in + 6 * (size_t)i, *r = arm_of(b, i);
             const double D[9] = {p[0], p[1], p[2], p[1], p[3], p[4], p[2], p[4], p[5]};
-            add_block(b->block, 1.0, r, D, r);
+            add_block(part->block, 1.0, r, D, r);
         }
-        factor(b->block, b->factor);
+        factor(part->block, part->factor);
     }
 }
 
-void rigid_matrix_factor(struct rigid_map *map, const double *blocks) {
-    rigid_for_bodies(map, factor_bodies, blocks, NULL);
+void rigid_matrix_factor(struct rigid_matrix *m, const double *blocks) {
+    for_bodies(m, factor_bodies, blocks, NULL);
 }
 
 /* ---- the solve ------------------------------------------------------------------------------- */
@@ -154,73 +201,71 @@ static void multiply_transposed(const double *B, const double *x, double *y) {
 }
 
 /* q = B p; returns p . q */
-static double multiply_all(const struct rigid_map *map, const double *p, double *q) {
+static double multiply_all(const struct rigid_matrix *m, const double *p, double *q) {
     double sum = 0.0;
-    memset(q, 0, SIZE * (size_t)map->bodies * sizeof *q);
-    for (int k = 0; k < map->bodies; k++) multiply(map->body[k].block, p + SIZE * k, q + SIZE * k);
-    for (int k = 0; k < map->pairs; k++) {
-        const struct rigid_pair *pair = &map->pair[k];
+    memset(q, 0, SIZE * (size_t)m->map->bodies * sizeof *q);
+    for (int k = 0; k < m->map->bodies; k++) multiply(m->body[k].block, p + SIZE * k, q + SIZE * k);
+    for (int k = 0; k < m->pairs; k++) {
+        const struct rigid_pair *pair = &m->pair[k];
         multiply(pair->block, p + SIZE * pair->b, q + SIZE * pair->a);
         multiply_transposed(pair->block, p + SIZE * pair->a, q + SIZE * pair->b);
     }
-    for (int k = 0; k < SIZE * map->bodies; k++) sum += p[k] * q[k];
+    for (int k = 0; k < SIZE * m->map->bodies; k++) sum += p[k] * q[k];
     return sum;
 }
 
 /* p = P^-1 r + sum / before p with the diagonal blocks P of B; returns sum = r . P^-1 r. before:
  * the sum of the last direction; 0: there is none. */
-static double turn_direction(const struct rigid_map *map, const double *r, double before,
-                             double *p) {
-    double *z = map->solve.z, sum = 0.0;
-    memcpy(z, r, SIZE * (size_t)map->bodies * sizeof *z);
-    for (int k = 0; k < map->bodies; k++) substitute(map->body[k].factor, z + SIZE * k);
-    for (int k = 0; k < SIZE * map->bodies; k++) sum += z[k] * r[k];
-    for (int k = 0; k < SIZE * map->bodies; k++)
-        p[k] = z[k] + (before > 0.0 ? sum / before * p[k] : 0.0);
+static double turn_direction(const struct rigid_matrix *m, double before) {
+    double *z = m->z, *p = m->p, sum = 0.0;
+    int n = SIZE * m->map->bodies;
+    memcpy(z, m->r, (size_t)n * sizeof *z);
+    for (int k = 0; k < m->map->bodies; k++) substitute(m->body[k].factor, z + SIZE * k);
+    for (int k = 0; k < n; k++) sum += z[k] * m->r[k];
+    for (int k = 0; k < n; k++) p[k] = z[k] + (before > 0.0 ? sum / before * p[k] : 0.0);
     return sum;
 }
 
 /* x = B^-1 r */
-static void solve_coupled(const struct rigid_map *map) {
-    double *x = map->solve.x, *r = map->solve.r;
-    double *p = map->solve.p, *q = map->solve.q;
-    memset(x, 0, SIZE * (size_t)map->bodies * sizeof *x);
-    double rz = turn_direction(map, r, 0.0, p), end = tolerance * tolerance * rz;
+static void solve_coupled(const struct rigid_matrix *m) {
+    int size = SIZE * m->map->bodies;
+    memset(m->x, 0, (size_t)size * sizeof *m->x);
+    double rz = turn_direction(m, 0.0), end = tolerance * tolerance * rz;
     for (int n = 0; n < MAX_ITERATIONS && rz > end; n++) {
-        double step = rz / multiply_all(map, p, q);
-        for (int k = 0; k < SIZE * map->bodies; k++) x[k] += step * p[k], r[k] -= step * q[k];
-        rz = turn_direction(map, r, rz, p);
+        double step = rz / multiply_all(m, m->p, m->q);
+        for (int k = 0; k < size; k++) m->x[k] += step * m->p[k], m->r[k] -= step * m->q[k];
+        rz = turn_direction(m, rz);
     }
 }
 
 static void gather(void *arg, int first, int last, int block) {
     (void)block;
-    const struct rigid_loop *c = arg;
+    const struct loop *c = arg;
     for (int k = first; k < last; k++) {
-        const struct rigid_body *b = &c->map->body[k];
-        rigid_body_sum(b, b->vertices, c->in, c->map->solve.r + SIZE * k);
+        const struct rigid_body *b = &c->matrix->map->body[k];
+        rigid_body_sum(b, b->vertices, c->in, c->matrix->r + SIZE * k);
     }
 }
 
 static void solve_alone(void *arg, int first, int last, int block) {
     (void)block;
-    const struct rigid_loop *c = arg;
-    double *x = c->map->solve.x;
-    memcpy(x + SIZE * first, c->map->solve.r + SIZE * first,
+    const struct loop *c = arg;
+    double *x = c->matrix->x;
+    memcpy(x + SIZE * first, c->matrix->r + SIZE * first,
            SIZE * (size_t)(last - first) * sizeof *x);
-    for (int k = first; k < last; k++) substitute(c->map->body[k].factor, x + SIZE * k);
+    for (int k = first; k < last; k++) substitute(c->matrix->body[k].factor, x + SIZE * k);
 }
 
 static void spread(void *arg, int first, int last, int block) {
     (void)block;
-    const struct rigid_loop *c = arg;
+    const struct loop *c = arg;
     for (int k = first; k < last; k++)
-        rigid_body_move(&c->map->body[k], 0, c->map->solve.x + SIZE * k, c->out);
+        rigid_body_move(&c->matrix->map->body[k], 0, c->matrix->x + SIZE * k, c->out);
 }
 
-void rigid_matrix_solve(const struct rigid_map *map, const double *r, double *z) {
-    rigid_for_bodies(map, gather, r, NULL);
-    if (map->pairs) solve_coupled(map);
-    else rigid_for_bodies(map, solve_alone, NULL, NULL);
-    rigid_for_bodies(map, spread, NULL, z);
+void rigid_matrix_solve(const struct rigid_matrix *m, const double *r, double *z) {
+    for_bodies(m, gather, r, NULL);
+    if (m->pairs) solve_coupled(m);
+    else for_bodies(m, solve_alone, NULL, NULL);
+    for_bodies(m, spread, NULL, z);
 }

@@ -75,6 +75,7 @@ void pdyn_free(pdyn_sim *sim) {
     solver_choice_free(sim);
     batches_free(sim);
     contact_free(sim->objective.contact);
+    rigid_matrix_free(sim->objective.rigid_matrix);
     rigid_map_free(sim->objective.rigid);
     residual_free(&sim->objective);
     crossings_free(sim);
