@@ -35,18 +35,20 @@ struct part {
     const char *shape;     /* of a solid: "box", "mesh", ...; "rigid" of a rigid body */
     json_t *series;        /* content of NAME.vtk.series, or the like for a part at rest */
     json_t *files;         /* its array of frames */
-    int count;             /* points, maximum over the frames */
-    int triangles;         /* 0 for particles and boundary points */
-    int *frame_points;     /* points of each frame; particles may enter and leave */
-    int *triangle;         /* triangles x 3 */
-    struct box box;        /* of all points in all frames */
     bool fluid;            /* particles with a constraint of type fluid */
     double radius;         /* of particles, m */
     double rest_density;   /* of particles, kg/m^3; 0: unknown */
-    int channels;          /* the first so many values of enum channel are there */
-    double most[CHANNELS]; /* largest value of each */
     struct vtk_frame skin; /* of a body with NAME.skin.vtk, drawn in its place but in a live view,
                               which moves vertices of the body; count 0: none */
+
+    /* What replay_load (replay/replay_run.h) finds in all frames; 0 without it. */
+    int count;             /* points, maximum over the frames */
+    int *frame_points;     /* points of each frame; particles may enter and leave */
+    int triangles;         /* 0 for particles and boundary points */
+    int *triangle;         /* triangles x 3 */
+    struct box box;        /* of all points */
+    int channels;          /* the first so many values of enum channel are there */
+    double most[CHANNELS]; /* largest value of each */
 };
 
 struct run {
@@ -54,10 +56,12 @@ struct run {
     json_t *report; /* report.json, or "scene" of files.json while there is none; NULL: neither */
     const char *source; /* name of the file that `report` was read from */
     json_t *body_list;  /* array of the bodies, as in report.json */
-    json_t *metrics;    /* columns of metrics.csv for the plots; NULL: missing */
-    json_t *live;       /* of a live view: what the page needs to talk to it; NULL: a replay */
     int parts, frames;
     struct part *part; /* the bodies, then solids, then boundary points */
+
+    /* Of the page (replay/). */
+    json_t *metrics; /* columns of metrics.csv for the plots; NULL: missing */
+    json_t *live;    /* of a live view: what the page needs to talk to it; NULL: a replay */
 };
 
 /* Functions that return int return an exit code, after a message unless it is EXIT_GOOD. */

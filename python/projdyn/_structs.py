@@ -9,7 +9,7 @@ from ctypes import (CFUNCTYPE, POINTER, Structure, c_bool, c_char_p, c_double, c
                     c_size_t, c_void_p)
 from typing import Any
 
-Doubles = Ints = Bools = c_void_p  # addresses; arrays.py makes numpy views of them
+Doubles = Ints = Bools = c_void_p  # addresses; _arrays.py makes numpy views of them
 Log = CFUNCTYPE(None, c_void_p, c_int, c_char_p)
 Write = CFUNCTYPE(None, c_void_p, c_char_p)
 Allocate = CFUNCTYPE(c_void_p, c_void_p, c_void_p, c_size_t, c_size_t)
