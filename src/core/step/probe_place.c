@@ -1,5 +1,6 @@
 #include "probe_place.h"
 
+#include "free_rotation.h"
 #include "scene/poses.h"
 #include "sim.h"
 
@@ -42,7 +43,7 @@ void probe_place_move(const struct pdyn_sim *sim, struct probe_place *place) {
     double R[9];
     if (!place->moves) return;
     find_pose(sim, place->probe, place->at, R);
-    for (int k = 0; k < 9; k++) place->R[k] = vec3_dot(R + 3 * (k / 3), place->start + 3 * (k % 3));
+    rotation_multiply_transposed(R, place->start, place->R);
     for (int k = 0; k < points->count; k++) {
         double arm[3], *x = place->x + 3 * (size_t)k;
         vec3_subtract(arm, points->x + 3 * (size_t)k, place->rest);
