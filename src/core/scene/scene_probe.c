@@ -142,6 +142,11 @@ static pdyn_status read_pins(struct reader *r, const struct json_at *at,
     return read_body_with(r, at, PDYN_REACTION, "pin", probe);
 }
 
+static pdyn_status read_inside(struct reader *r, const struct json_at *at,
+                               struct scene_probe *probe) {
+    return read_body_with(r, at, PDYN_ON_CLOSED, "gas", probe);
+}
+
 /* "pin": one of the pins of the body. */
 static pdyn_status read_pin(const struct reader *r, const struct json_at *at,
                             struct scene_probe *probe) {
@@ -165,44 +170,53 @@ static pdyn_status read_source(const struct json_at *at, struct scene_probe *pro
     return status;
 }
 
-static pdyn_status read_inside(struct reader *r, const struct json_at *at,
-                               struct scene_probe *probe) {
-    return read_body_with(r, at, PDYN_ON_CLOSED, "gas", probe);
-}
+static const char *const names[PROBE_KINDS] = {
+    [PROBE_POINT] = "point",   [PROBE_LINE] = "line", [PROBE_WALL] = "wall",
+    [PROBE_HEIGHT] = "height", [PROBE_BOX] = "box",   [PROBE_SOLID] = "solid",
+    [PROBE_PINS] = "pins",     [PROBE_BODY] = "body", [PROBE_INSIDE] = "inside"};
 
 static const struct {
     pdyn_status (*read)(struct reader *r, const struct json_at *at, struct scene_probe *probe);
     bool of_fluid, has_radius; /* those of the fluid have a place */
 } kinds[PROBE_KINDS] = {
-    {read_point, true, true},   {read_line, true, true},     {read_wall, true, true},
-    {read_height, true, false}, {read_region, true, false},  {read_solid, false, false},
-    {read_pins, false, false},  {read_inside, false, false}, {read_body, false, false}};
+    [PROBE_POINT] = {read_point, true, true},     [PROBE_LINE] = {read_line, true, true},
+    [PROBE_WALL] = {read_wall, true, true},       [PROBE_HEIGHT] = {read_height, true, false},
+    [PROBE_BOX] = {read_region, true, false},     [PROBE_SOLID] = {read_solid, false, false},
+    [PROBE_PINS] = {read_pins, false, false},     [PROBE_BODY] = {read_body, false, false},
+    [PROBE_INSIDE] = {read_inside, false, false},
+};
+
+/* Checks that the scene and the other keys fit to the kind of the probe. */
+static pdyn_status check_kind_of(const struct reader *r, const struct json_at *at,
+                                 enum probe_kind kind) {
+    struct json_at place = json_member(at, names[kind]), radius = json_member(at, "radius");
+    struct json_at pin = json_member(at, "pin"), on = json_member(at, "on");
+    if (kinds[kind].of_fluid && !r->listed)
+        return json_fail_at_key(&place, "\"%s\" needs a body with the constraint \"fluid\"",
+                                names[kind]);
+    if (radius.value && !kinds[kind].has_radius)
+        return json_fail_at_key(&radius, "\"radius\" needs a \"point\", \"line\" or \"wall\"");
+    if (pin.value && kind != PROBE_PINS) return json_fail_at_key(&pin, "\"pin\" needs \"pins\"");
+    if (on.value && !kinds[kind].of_fluid)
+        return json_fail_at_key(&on, "\"on\" needs a \"point\", \"line\", \"wall\", \"height\" or "
+                                     "\"box\"");
+    return PDYN_OK;
+}
 
 pdyn_status scene_read_probe(struct reader *r, const struct json_at *at, int index) {
-    static const char *const names[PROBE_KINDS] = {"point", "line", "wall",   "height", "box",
-                                                   "solid", "pins", "inside", "body"};
     static const char *const keys[] = {"name", "point", "line",   "wall", "height",
                                        "box",  "solid", "pins",   "pin",  "inside",
                                        "body", "on",    "source", NULL};
     struct scene_probe *probe = &r->scene->probe[index];
-    struct json_at radius = json_member(at, "radius"), pin = json_member(at, "pin");
-    struct json_at on = json_member(at, "on"), source = json_member(at, "source");
+    struct json_at pin = json_member(at, "pin"), on = json_member(at, "on");
+    struct json_at source = json_member(at, "source");
     pdyn_status status = params_check_keys(at, scene_probe_params, keys);
     if (status == PDYN_OK) status = reader_name(r, at, "probe", index, &probe->name);
     if (status == PDYN_OK) status = params_read(at, scene_probe_params, NULL, probe);
     if (status == PDYN_OK) status = reader_one_of(at, names, PROBE_KINDS, &probe->kind);
+    if (status == PDYN_OK) status = check_kind_of(r, at, probe->kind);
     if (status != PDYN_OK) return status;
     struct json_at place = json_member(at, names[probe->kind]);
-    if (kinds[probe->kind].of_fluid && !r->listed)
-        return json_fail_at_key(&place, "\"%s\" needs a body with the constraint \"fluid\"",
-                                names[probe->kind]);
-    if (radius.value && !kinds[probe->kind].has_radius)
-        return json_fail_at_key(&radius, "\"radius\" needs a \"point\", \"line\" or \"wall\"");
-    if (pin.value && probe->kind != PROBE_PINS)
-        return json_fail_at_key(&pin, "\"pin\" needs \"pins\"");
-    if (on.value && !kinds[probe->kind].of_fluid)
-        return json_fail_at_key(&on, "\"on\" needs a \"point\", \"line\", \"wall\", \"height\" or "
-                                     "\"box\"");
     status = read_on(r, &on, probe);
     if (status == PDYN_OK) status = read_source(&source, probe);
     if (status == PDYN_OK) status = kinds[probe->kind].read(r, &place, probe);
