@@ -89,21 +89,39 @@ static void mark_passed(const struct lattice *l, const double *const corner[3]) 
 
 /* ---- distance to the mesh -------------------------------------------------------------------- */
 
-/* Shrinks [low, high], a part of row (j, k), to where the plane of the triangle is within
- * `distance`. */
-static void clip_row(const struct lattice *l, const double *corner, const double *normal,
-                     double distance, long j, long k, double *low, double *high) {
-    double rest =
-        normal[1] * (place(l, 1, j) - corner[1]) + normal[2] * (place(l, 2, k) - corner[2]);
-    double room = distance * vec3_length(normal);
+struct close { /* the points of a lattice closer to a triangle than a distance, m */
+    const struct lattice *lattice;
+    const double *const *corner;
+    double distance, normal[3];
+};
+
+/* Shrinks [low, high], a part of row (j, k), to where the plane of the triangle is within the
+ * distance. */
+static void clip_row(const struct close *c, long j, long k, double *low, double *high) {
+    const double *corner = c->corner[0], *normal = c->normal;
+    double rest = normal[1] * (place(c->lattice, 1, j) - corner[1]) +
+                  normal[2] * (place(c->lattice, 2, k) - corner[2]);
+    double room = c->distance * vec3_length(normal);
     if (normal[0] != 0.0) {
         double middle = corner[0] - rest / normal[0], half = room / fabs(normal[0]);
         *low = fmax(*low, middle - half), *high = fmin(*high, middle + half);
     } else if (fabs(rest) > room) *high = -HUGE_VAL;
 }
 
+static void mark_row(const struct close *c, long j, long k, double low, double high) {
+    const struct lattice *l = c->lattice;
+    clip_row(c, j, k, &low, &high);
+    long end = index_from(l, 0, high);
+    for (long i = index_from(l, 0, low); i < end; i++) {
+        const double x[3] = {place(l, 0, i), place(l, 1, j), place(l, 2, k)};
+        double unused[3], squared = closest3_triangle(x, c->corner, unused);
+        if (squared < c->distance * c->distance) marks(l, j, k)[i] |= CLOSE;
+    }
+}
+
 static void mark_close(const struct lattice *l, const double *const corner[3], double distance) {
-    double u[3], v[3], normal[3], low[3], high[3];
+    struct close c = {.lattice = l, .corner = corner, .distance = distance};
+    double u[3], v[3], low[3], high[3];
     long first[3], last[3];
     for (int a = 0; a < 3; a++) {
         u[a] = corner[1][a] - corner[0][a], v[a] = corner[2][a] - corner[0][a];
@@ -111,21 +129,12 @@ static void mark_close(const struct lattice *l, const double *const corner[3], d
         high[a] = fmax(corner[0][a], fmax(corner[1][a], corner[2][a])) + distance;
         first[a] = index_from(l, a, low[a]), last[a] = index_from(l, a, high[a]);
     }
-    vec3_cross(normal, u, v);
+    vec3_cross(c.normal, u, v);
     /* rounding makes the plane of a needle triangle meaningless */
-    if (vec3_length(normal) < 1e-9 * vec3_length(u) * vec3_length(v))
-        for (int a = 0; a < 3; a++) normal[a] = 0.0;
+    if (vec3_length(c.normal) < 1e-9 * vec3_length(u) * vec3_length(v))
+        for (int a = 0; a < 3; a++) c.normal[a] = 0.0;
     for (long k = first[2]; k < last[2]; k++)
-        for (long j = first[1]; j < last[1]; j++) {
-            double from = low[0], to = high[0];
-            clip_row(l, corner[0], normal, distance, j, k, &from, &to);
-            long end = index_from(l, 0, to);
-            for (long i = index_from(l, 0, from); i < end; i++) {
-                const double x[3] = {place(l, 0, i), place(l, 1, j), place(l, 2, k)};
-                double unused[3], squared = closest3_triangle(x, corner, unused);
-                if (squared < distance * distance) marks(l, j, k)[i] |= CLOSE;
-            }
-        }
+        for (long j = first[1]; j < last[1]; j++) mark_row(&c, j, k, low[0], high[0]);
 }
 
 /* ---- the volume ------------------------------------------------------------------------------ */
