@@ -81,36 +81,36 @@ void forces_store_normal(struct pdyn_sim *sim) {
     contact_store_forces(o->contact);
 }
 
-typedef bool choose_fn(const struct batch *batch, const struct batch *constraint);
+typedef bool choose_fn(const struct batch *batch);
 
-static bool is_of_contact(const struct batch *batch, const struct batch *none) {
-    (void)none;
-    return batch->type->flags & PDYN_CONTACT;
-}
-
-static bool is_any(const struct batch *batch, const struct batch *none) {
-    (void)batch, (void)none;
+static bool is_any(const struct batch *batch) {
+    (void)batch;
     return true;
 }
 
+static bool is_of_contact(const struct batch *batch) { return batch->type->flags & PDYN_CONTACT; }
+
 /* Whether a batch is of PDYN_LOAD_FLUID. */
-static bool is_of_fluid(const struct batch *batch, const struct batch *none) {
-    (void)none;
+static bool is_of_fluid(const struct batch *batch) {
     return needs_neighbour_lists(batch->type) || batch->type->flags & PDYN_FLUID;
 }
 
 /* Whether a batch is of PDYN_LOAD_CONTACT. */
-static bool is_of_contact_alone(const struct batch *batch, const struct batch *none) {
-    return is_of_contact(batch, none) && !is_of_fluid(batch, none);
+static bool is_of_contact_alone(const struct batch *batch) {
+    return is_of_contact(batch) && !is_of_fluid(batch);
 }
 
-/* force = the sum over the chosen batches; 0 while forces are unknown. */
+/* force = the sum over the chosen batches, of one constraint if it is not NULL; 0 while forces are
+ * unknown. */
 static void sum_forces(const struct pdyn_sim *sim, choose_fn *choose,
                        const struct batch *constraint, double *force) {
     const struct objective *objective = &sim->objective;
     memset(force, 0, objective_bytes(objective));
-    for (int b = 0; sim->forces_known && b < objective->batches; b++)
-        if (choose(objective->batch[b], constraint)) add_gradient(sim, objective->batch[b], force);
+    for (int b = 0; sim->forces_known && b < objective->batches; b++) {
+        struct batch *batch = objective->batch[b];
+        if (!choose(batch) || (constraint && !batch_belongs_to(batch, constraint))) continue;
+        add_gradient(sim, batch, force);
+    }
     for (int k = 0; k < 3 * objective->particles; k++) force[k] = 0.0 - force[k]; /* no -0 */
 }
 
@@ -137,7 +137,7 @@ static void add_row_load(const struct pdyn_sim *sim, const struct batch *b, stru
 static void add_operator_load(const struct pdyn_sim *sim, const struct batch *b,
                               struct load *load) {
     double *force = sim->trial;
-    sum_forces(sim, batch_belongs_to, b, force);
+    sum_forces(sim, is_any, b, force);
     for (int i = 0; i < sim->objective.particles; i++)
         load_add(load, sim->x_next + 3 * (size_t)i, force + 3 * (size_t)i);
 }
@@ -200,7 +200,7 @@ void forces_pass_on(struct pdyn_sim *sim) {
 
 pdyn_status pdyn_constraint_forces(const pdyn_sim *sim, int constraint, double *force) {
     if (HAS_NULL(sim, force) || BAD_INDEX(constraint, sim->constraints)) return PDYN_BAD_CALL;
-    sum_forces(sim, batch_belongs_to, sim->objective.batch[constraint], force);
+    sum_forces(sim, is_any, sim->objective.batch[constraint], force);
     return PDYN_OK;
 }
 
