@@ -182,20 +182,28 @@ void batch_find_acceleration(struct batch *b, const struct velocity_change *chan
     if (change->rigid) rigid_map_extend(change->rigid, a);
 }
 
-/* `after` has no velocities of boundary points: no limit where they take part. */
-static void forget_separation(struct one_sided *s, const pdyn_neighbours *lists, int first) {
-    for (int i = 0; i < s->at.count; i++)
-        if (lists->boundary_start[first + i] < lists->end[first + i]) s->multiplier[i] = -INFINITY;
+/* The rate after the step is not known where boundary points take part. */
+static void forget_solids(double *after, int count, const pdyn_neighbours *lists, int first) {
+    for (int i = 0; i < count; i++)
+        if (lists->boundary_start[first + i] < lists->end[first + i]) after[i] = -INFINITY;
 }
 
 static int operator_impacts(struct batch *b, const struct velocity_change *change, double *force) {
     struct one_sided *s = &b->one_sided;
-    batch_rate(b, s->acts, change->acceleration, s->reached);
-    batch_rate(b, s->acts, change->slowed, s->rate);
-    batch_rate(b, s->acts, change->after, s->multiplier);
-    forget_separation(s, change->lists, b->view.body->first);
-    int count = one_sided_impacts(s, b->view.body->mass[0], change->h, change->taken,
-                                  change->solved, begin_output(b, force));
+    /* arrays of no use after the minimisation */
+    double *slowed = s->rate, *acceleration = s->reached, *after = s->multiplier;
+    batch_rate(b, s->acts, change->acceleration, acceleration);
+    batch_rate(b, s->acts, change->slowed, slowed);
+    batch_rate(b, s->acts, change->after, after);
+    forget_solids(after, s->at.count, change->lists, b->view.body->first);
+    struct rate_change rates = {.slowed = slowed,
+                                .after = after,
+                                .acceleration = acceleration,
+                                .mass = b->view.body->mass[0],
+                                .h = change->h,
+                                .taken = change->taken,
+                                .solved = change->solved};
+    int count = one_sided_impacts(s, &rates, begin_output(b, force));
     end_output(b, force);
     return count;
 }

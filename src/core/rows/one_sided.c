@@ -243,10 +243,9 @@ void one_sided_forces(struct one_sided *s, double *y) {
     s->op->force(s->self, s->multiplier, y);
 }
 
-struct impacts {
+struct impacts { /* the arguments of a parallel loop */
     struct one_sided *s;
-    const double *slowed, *acceleration; /* count: rates */
-    double mass, h, taken;
+    const struct rate_change *change;
     bool comparable; /* with the forces of the step before: both steps are solved */
 };
 
@@ -262,9 +261,9 @@ static double risen_part(const struct impacts *c, int i, double force) {
 /* The decrease of dC/dt in the step, at most so much that the impulse which is taken off ends the
  * separation after the step. More would make the particles approach, and give energy to water that
  * a sheet slows down in many steps. */
-static double stopped_of(const struct impacts *c, int i) {
-    double separation = fmax(0.0, -c->s->multiplier[i]);
-    return c->slowed[i] * c->taken > separation ? separation / c->taken : c->slowed[i];
+static double stopped_of(const struct rate_change *change, int i) {
+    double separation = fmax(0.0, -change->after[i]), taken = change->taken;
+    return change->slowed[i] * taken > separation ? separation / taken : change->slowed[i];
 }
 
 /* Two estimates of the rate change that the force causes in a step: `acceleration`, by all forces
@@ -274,12 +273,13 @@ static double stopped_of(const struct impacts *c, int i) {
  * second estimate is used, because it does not depend on how the liquid is divided into bodies. */
 static double impact_of(const struct impacts *c, int i) {
     const struct one_sided *s = c->s;
-    double value = s->at.value[i], force = force_of(s, i);
+    double value = s->at.value[i], force = force_of(s, i), h = c->change->h;
     if (force == 0.0) return 0.0;
-    double alone = c->h * force * s->at.squares[i] / c->mass;
-    double change = fmax(c->h * c->acceleration[i], alone), rise = risen_part(c, i, force) * alone;
-    return fmax(impact_part(stopped_of(c, i), change, c->h * change / value),
-                impact_part(rise, alone, c->h * alone / value));
+    double alone = h * force * s->at.squares[i] / c->change->mass;
+    double change = fmax(h * c->change->acceleration[i], alone);
+    double rise = risen_part(c, i, force) * alone;
+    return fmax(impact_part(stopped_of(c->change, i), change, h * change / value),
+                impact_part(rise, alone, h * alone / value));
 }
 
 static void compute_impacts(void *arg, int first, int last, int block) {
@@ -294,10 +294,8 @@ static void compute_impacts(void *arg, int first, int last, int block) {
     s->partial[block] = count;
 }
 
-int one_sided_impacts(struct one_sided *s, double mass, double h, double taken, bool solved,
-                      double *y) {
-    bool comparable = solved && s->means == s->at.count;
-    struct impacts impacts = {s, s->rate, s->reached, mass, h, taken, comparable};
+int one_sided_impacts(struct one_sided *s, const struct rate_change *change, double *y) {
+    struct impacts impacts = {s, change, change->solved && s->means == s->at.count};
     pool_for(s->context->pool, s->at.count, GRAIN, compute_impacts, &impacts);
     s->op->force(s->self, s->multiplier, y);
     return sum_counts(s);

@@ -18,8 +18,8 @@ struct one_sided {
     void *self; /* the operator's state */
     int particles, capacity;
     pdyn_one_sided at; /* the x of the last local step */
-    double *reached;   /* count: C_i + grad C_i . d; at impacts see one_sided_impacts */
-    double *rate;      /* count: grad C_i . u, u: the search direction; at impacts see there */
+    double *reached;   /* count: C_i + grad C_i . d */
+    double *rate;      /* count: grad C_i . u, u: the search direction */
     double *mean; /* means: multipliers of the mean forces of the last step: without those parts
                      of impacts that the integrator left out */
     int means;    /* the count of the last step; 0: that step was not solved */
@@ -73,14 +73,22 @@ double one_sided_energy(const struct one_sided *s, int i);
 void one_sided_persist(struct one_sided *s, struct snapshot_file *snapshot);
 /* y += the gradient of the constraints' energy at the last local step, N */
 void one_sided_forces(struct one_sided *s, double *y);
-/* y += the impact parts of the forces. The caller has set, for constraints that act, `rate` to
- * grad C_i . (velocities before the step minus those after it), m/s, `multiplier` to grad C_i .
- * (velocities after the step), m/s, or to -INFINITY where that is not known, and `reached` to grad
- * C_i . (the gradient of one_sided_forces over the masses), m/s^2. mass: kg, of a particle of the
- * body; h: s; taken: the part of the impulses of impacts that the caller takes off the velocities;
- * solved: the forces are those of a solved step. Returns the number of forces of which the impact
- * is the greater part. */
-int one_sided_impacts(struct one_sided *s, double mass, double h, double taken, bool solved,
-                      double *y);
+
+struct rate_change { /* of the constraints that act, in a step */
+    /* count: grad C_i . (velocities before the step minus those after it), m/s */
+    const double *slowed;
+    /* count: grad C_i . (velocities after the step), m/s; -INFINITY: not known. It may be
+     * `multiplier`: entry i is read before it is written */
+    const double *after;
+    /* count: grad C_i . (the gradient of one_sided_forces over the masses), m/s^2 */
+    const double *acceleration;
+    double mass;  /* kg, of a particle of the body */
+    double h;     /* s */
+    double taken; /* part of the impulse of an impact that the caller takes off the velocities */
+    bool solved;  /* the forces are those of a solved step */
+};
+/* y += the impact parts of the forces. Returns the number of forces of which the impact is the
+ * greater part. */
+int one_sided_impacts(struct one_sided *s, const struct rate_change *change, double *y);
 
 #endif
