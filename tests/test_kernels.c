@@ -110,17 +110,17 @@ static void walk(pdyn_context *context, double stride, int moving, double away) 
     double *carried = c->boundary + 3 * (B - moving);
     bool wall[B];
     for (int k = 0; k < B; k++) wall[k] = k % 2;
-    struct neighbours_points points = {.particles = N,
-                                       .centre = c->centre,
-                                       .boundary = B,
-                                       .boundary_x = c->boundary,
-                                       .moving = moving,
-                                       .volume = c->volume,
-                                       .is_wall = wall,
-                                       .support = 0.2,
-                                       .surface_support = 0.2,
-                                       .skin = 0.02};
-    assert_int_equal(neighbours_create(context, &points, NULL, &n), PDYN_OK);
+    struct neighbours_def def = {.particles = N,
+                                 .centre = c->centre,
+                                 .boundary = B,
+                                 .boundary_x = c->boundary,
+                                 .moving = moving,
+                                 .volume = c->volume,
+                                 .is_wall = wall,
+                                 .support = 0.2,
+                                 .surface_support = 0.2,
+                                 .skin = 0.02};
+    assert_int_equal(neighbours_create(context, &def, &n), PDYN_OK);
     for (int move = 0; move < 40; move++) {
         if (!neighbours_are_valid(n, c->x)) assert_int_equal(neighbours_build(n, c->x), PDYN_OK);
         check_lists(neighbours_view(n), c, c->x);

@@ -69,7 +69,7 @@ struct neighbours {
 };
 
 /* Counts the particles that may have a list, and sorts boundary points into parts. */
-void neighbour_points_count(struct neighbours *neighbours, const struct neighbours_points *points);
+void neighbour_points_count(struct neighbours *neighbours, const struct neighbours_def *def);
 /* Lists the active centres, then the samples that are near these at x (particles x 3, m). */
 void neighbour_points_list(struct neighbours *neighbours, const double *x);
 /* The list of particle i is empty. */

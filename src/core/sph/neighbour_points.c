@@ -43,24 +43,24 @@ void neighbour_points_list(struct neighbours *n, const double *x) {
     }
 }
 
-static int part_of(const struct neighbours_points *points, int b) {
-    bool moves = b >= points->boundary - points->moving;
-    return points->is_wall[b] ? WALLS + moves : PATCHES + moves;
+static int part_of(const struct neighbours_def *def, int b) {
+    bool moves = b >= def->boundary - def->moving;
+    return def->is_wall[b] ? WALLS + moves : PATCHES + moves;
 }
 
 /* Lists the boundary points by parts. */
-static void list_boundary(struct neighbours *n, const struct neighbours_points *points) {
+static void list_boundary(struct neighbours *n, const struct neighbours_def *def) {
     int count = 0;
     for (int part = 0; part < BOUNDARY_PARTS; part++) {
         n->part[part] = count;
-        for (int b = 0; b < points->boundary; b++)
-            if (part_of(points, b) == part) n->boundary_id[count++] = b;
+        for (int b = 0; b < def->boundary; b++)
+            if (part_of(def, b) == part) n->boundary_id[count++] = b;
     }
     n->part[BOUNDARY_PARTS] = count;
 }
 
-void neighbour_points_count(struct neighbours *n, const struct neighbours_points *points) {
+void neighbour_points_count(struct neighbours *n, const struct neighbours_def *def) {
     for (int i = 0; i < n->view.particles; i++)
         n->max_centres += is_active_centre(n, i), n->surface_points += is_surface_point(n, i);
-    list_boundary(n, points);
+    list_boundary(n, def);
 }

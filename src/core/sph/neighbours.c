@@ -61,15 +61,15 @@ static pdyn_status sort_boundary(struct neighbours *n) {
 }
 
 /* Copies the points and initialises the public view. */
-static void fill_points(struct neighbours *n, const struct neighbours_points *points,
-                        const struct surface_samples *samples) {
-    size_t particles = (size_t)points->particles, boundary = (size_t)points->boundary;
-    memcpy(n->centre, points->centre, particles * sizeof *n->centre);
-    memcpy(n->volume, points->volume, (particles + boundary) * sizeof *n->volume);
-    if (boundary) memcpy(n->boundary_x, points->boundary_x, 3 * boundary * sizeof *n->boundary_x);
-    for (int i = 0; i < points->particles; i++)
+static void fill_points(struct neighbours *n, const struct neighbours_def *def) {
+    const struct surface_samples *samples = def->samples;
+    size_t particles = (size_t)def->particles, boundary = (size_t)def->boundary;
+    memcpy(n->centre, def->centre, particles * sizeof *n->centre);
+    memcpy(n->volume, def->volume, (particles + boundary) * sizeof *n->volume);
+    if (boundary) memcpy(n->boundary_x, def->boundary_x, 3 * boundary * sizeof *n->boundary_x);
+    for (int i = 0; i < def->particles; i++)
         if (n->centre[i]) n->centre_volume = n->volume[i];
-    neighbour_points_count(n, points);
+    neighbour_points_count(n, def);
     n->room = INITIAL_ROOM, n->view.volume_revision = 1;
     n->view.volume = n->volume, n->view.boundary_x = n->boundary_x;
     n->view.start = n->lists.start, n->view.surface_start = n->lists.surface_start;
@@ -92,27 +92,27 @@ static pdyn_status create_grids(struct neighbours *n) {
     return status;
 }
 
-pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_points *points,
-                              const struct surface_samples *samples, struct neighbours **out) {
+pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_def *def,
+                              struct neighbours **out) {
     struct neighbours *n = *out = NEW_ARRAY(context, 1, struct neighbours);
     if (!n) return PDYN_NO_MEMORY;
     n->context = context;
-    n->moving = points->moving;
-    n->system = points->particles - (samples ? samples->count : 0);
-    n->skin = points->skin, n->reach = points->support + n->skin;
-    n->surface_reach = points->surface_support + n->skin;
-    n->view = (pdyn_neighbours){.support = points->support,
-                                .surface_support = points->surface_support,
-                                .has_volumes = points->has_volumes,
-                                .kernel = points->kernel,
-                                .particles = points->particles,
-                                .moving = points->moving,
-                                .layer_x = points->layer_x,
-                                .points = points->particles + points->boundary};
+    n->moving = def->moving;
+    n->system = def->particles - (def->samples ? def->samples->count : 0);
+    n->skin = def->skin, n->reach = def->support + n->skin;
+    n->surface_reach = def->surface_support + n->skin;
+    n->view = (pdyn_neighbours){.support = def->support,
+                                .surface_support = def->surface_support,
+                                .has_volumes = def->has_volumes,
+                                .kernel = def->kernel,
+                                .particles = def->particles,
+                                .moving = def->moving,
+                                .layer_x = def->layer_x,
+                                .points = def->particles + def->boundary};
     pdyn_status status = resize_arrays(n, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
-    if (status == PDYN_OK) status = visibility_create(n, points->occlusion);
+    if (status == PDYN_OK) status = visibility_create(n, def->occlusion);
     if (status == PDYN_OK) {
-        fill_points(n, points, samples);
+        fill_points(n, def);
         status = create_grids(n);
     }
     if (status == PDYN_OK) status = sort_boundary(n);

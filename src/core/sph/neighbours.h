@@ -22,7 +22,7 @@ struct neighbours;
 
 struct kernel_model;
 
-struct neighbours_points { /* input of neighbours_create; all arrays but layer_x are copied */
+struct neighbours_def { /* all arrays but layer_x are copied */
     int particles; /* particles of the system, then the surface samples, which are active but no
                       centres */
     const bool *centre; /* particles: is a fluid particle */
@@ -36,15 +36,15 @@ struct neighbours_points { /* input of neighbours_create; all arrays but layer_x
     double skin;                     /* m */
     bool has_volumes;                /* see pdyn_neighbours */
     const struct kernel_model *kernel;
-    struct occlusion *occlusion; /* surfaces that separate pairs, or NULL; not copied */
+    struct occlusion *occlusion;           /* surfaces that separate pairs, or NULL; not copied */
+    const struct surface_samples *samples; /* the last particles, or NULL; must stay valid */
 };
 
-/* Creates neighbour lists. samples: the last particles, or NULL; must stay valid. Memory: 129 bytes
- * per particle, 108 per boundary point, 24 more if it may move, and 5 per neighbour (about 55 per
- * particle); with surfaces 40 more per particle, 1 more per boundary point and 4 more per
- * neighbour. */
-pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_points *points,
-                              const struct surface_samples *samples, struct neighbours **out);
+/* Creates neighbour lists. Memory: 129 bytes per particle, 108 per boundary point, 24 more if it
+ * may move, and 5 per neighbour (about 55 per particle); with surfaces 40 more per particle, 1 more
+ * per boundary point and 4 more per neighbour. */
+pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_def *def,
+                              struct neighbours **out);
 void neighbours_free(struct neighbours *neighbours);
 
 /* Makes the centres with live[i] active and the others inactive; the lists must be built again. All

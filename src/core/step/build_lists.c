@@ -32,41 +32,47 @@ static pdyn_status fill_volumes(struct pdyn_sim *sim, double spacing, int partic
     return solid_points_compute_volumes(sim, spacing, volume + particles, is_wall);
 }
 
+static double support_of(const struct pdyn_sim *sim, double spacing) {
+    return sim->scene.settings.kernel->support * spacing;
+}
+
+static pdyn_status create_occlusion(struct pdyn_sim *sim, double spacing) {
+    return occlusion_create(sim->context, sim->bodies, sim->body, &sim->border,
+                            extended_count(sim) + sim->boundary.at.count,
+                            support_of(sim, spacing) + skin_size * spacing, &sim->occlusion);
+}
+
 static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
-    int n = extended_count(sim);
-    const struct kernel_model *kernel = sim->scene.settings.kernel;
-    double support = kernel->support * spacing, skin = skin_size * spacing;
-    const struct boundary_model *model = sim->scene.settings.boundary;
-    double *volume = NEW_ARRAY(sim->context, n + sim->boundary.at.count, double);
-    bool *centre = NEW_ARRAY(sim->context, n, bool);
-    bool *is_wall = NEW_ARRAY(sim->context, sim->boundary.at.count + 1, bool);
+    const struct scene_settings *settings = &sim->scene.settings;
+    int particles = extended_count(sim), boundary = sim->boundary.at.count;
+    double *volume = NEW_ARRAY(sim->context, particles + boundary, double);
+    bool *centre = NEW_ARRAY(sim->context, particles, bool);
+    bool *is_wall = NEW_ARRAY(sim->context, boundary + 1, bool);
     pdyn_status status = volume && centre && is_wall
-                             ? fill_volumes(sim, spacing, n, volume, centre, is_wall)
+                             ? fill_volumes(sim, spacing, particles, volume, centre, is_wall)
                              : PDYN_NO_MEMORY;
-    if (status == PDYN_OK)
-        status = occlusion_create(sim->context, sim->bodies, sim->body, &sim->border,
-                                  n + sim->boundary.at.count, support + skin, &sim->occlusion);
     kinematic_move(sim, 0.0);
-    struct neighbours_points points = {.particles = n,
-                                       .centre = centre,
-                                       .boundary = sim->boundary.at.count,
-                                       .boundary_x = sim->boundary.at.x,
-                                       .moving = sim->kinematic.points,
-                                       .layer_x = sim->kinematic.layer.x,
-                                       .volume = volume,
-                                       .support = support,
-                                       .is_wall = is_wall,
-                                       .surface_support = boundary_support(model, kernel) * spacing,
-                                       .has_volumes = model->volumes,
-                                       .kernel = kernel,
-                                       .skin = skin,
-                                       .occlusion = sim->occlusion};
+    const struct neighbours_def def = {
+        .particles = particles,
+        .centre = centre,
+        .boundary = boundary,
+        .boundary_x = sim->boundary.at.x,
+        .moving = sim->kinematic.points,
+        .layer_x = sim->kinematic.layer.x,
+        .volume = volume,
+        .is_wall = is_wall,
+        .support = support_of(sim, spacing),
+        .surface_support = boundary_support(settings->boundary, settings->kernel) * spacing,
+        .skin = skin_size * spacing,
+        .has_volumes = settings->boundary->volumes,
+        .kernel = settings->kernel,
+        .occlusion = sim->occlusion,
+        .samples = sim->objective.samples};
     if (status == PDYN_OK)
-        status = neighbours_create(sim->context, &points, sim->objective.samples,
-                                   &sim->objective.neighbours);
-    FREE_ARRAY(sim->context, volume, n + sim->boundary.at.count);
-    FREE_ARRAY(sim->context, centre, n);
-    FREE_ARRAY(sim->context, is_wall, sim->boundary.at.count + 1);
+        status = neighbours_create(sim->context, &def, &sim->objective.neighbours);
+    FREE_ARRAY(sim->context, volume, particles + boundary);
+    FREE_ARRAY(sim->context, centre, particles);
+    FREE_ARRAY(sim->context, is_wall, boundary + 1);
     return status;
 }
 
@@ -113,6 +119,7 @@ pdyn_status lists_create(struct pdyn_sim *sim) {
     pdyn_status status = solid_points_sample(sim, spacing);
     if (status == PDYN_OK) status = create_border(sim, model->strip * spacing);
     if (status == PDYN_OK) status = samples_create(sim->context, &samples, &sim->objective.samples);
+    if (status == PDYN_OK) status = create_occlusion(sim, spacing);
     if (status == PDYN_OK) status = create_neighbours(sim, spacing);
     if (status == PDYN_OK) status = make_limits(sim);
     if (status != PDYN_OK) return status;
