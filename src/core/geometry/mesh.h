@@ -65,7 +65,7 @@ pdyn_status mesh_grid(pdyn_context *context, const double size[2], const int ver
  * and counts vertices and triangles from 0. */
 pdyn_status mesh_check(const struct mesh *mesh, const char *name);
 
-/* ---- checks of cloth and of closed meshes (topology.c) --------------------------------------- */
+/* ---- checks of cloth and of closed meshes (mesh_checks.c) ------------------------------------ */
 
 /* Checks what cloth needs in addition to mesh_check: every vertex belongs to a triangle (it would
  * have no mass), every triangle has an area of more than 1e-12 of its longest edge squared, no edge
@@ -83,9 +83,6 @@ pdyn_status mesh_visit_crowded_edges(pdyn_context *context, const struct mesh *m
 /* Checks that each of `vertices` vertices is among `count` indices; `what` is what they form. */
 pdyn_status mesh_check_used(pdyn_context *context, const char *name, int vertices, const int *index,
                             int count, const char *what);
-
-/* Counts the vertices that have the same position, but for rounding, as another one. */
-pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh, int *count);
 
 /* Checks what a closed volume needs in addition to mesh_check: every edge has an even number of
  * triangles, so that inside and outside are defined. */
@@ -117,8 +114,10 @@ pdyn_status mesh_orient_pieces(pdyn_context *context, struct mesh *mesh,
 /* Turns all triangles. */
 void mesh_turn(struct mesh *mesh);
 
-/* ---- sizes ----------------------------------------------------------------------------------- */
+/* ---- sizes (mesh_sizes.c) -------------------------------------------------------------------- */
 
+/* The area of triangle t, m^2. */
+double mesh_triangle_area(const struct mesh *mesh, int t);
 /* Sum of the areas of all triangles, m^2. */
 double mesh_area(const struct mesh *mesh);
 
@@ -155,6 +154,9 @@ struct topology {
 };
 pdyn_status topology_build(pdyn_context *context, const struct mesh *mesh, struct topology *out);
 void topology_free(pdyn_context *context, struct topology *topology);
+
+/* Counts the vertices that have the same position, but for rounding, as another one. */
+pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh, int *count);
 
 /* Finds the border of any mesh, where vertices at the same place count as one. across: triangles x
  * 3, for each corner -1 if no other triangle has the side opposite to it, else 0. */

@@ -1,9 +1,36 @@
-/* Volume integrals over the inside of a closed mesh. */
+/* Areas of triangles, and volume integrals over the inside of a closed mesh. */
 #include "mesh.h"
 
 #include "projdyn/vec3.h"
 
 #include <string.h>
+
+double mesh_triangle_area(const struct mesh *mesh, int t) {
+    const double *c[3];
+    double n[3];
+    mesh_corners(mesh, t, c);
+    vec3_normal(n, c[0], c[1], c[2]);
+    return 0.5 * vec3_length(n);
+}
+
+double mesh_area(const struct mesh *mesh) {
+    double area = 0.0;
+    for (int t = 0; t < mesh->triangles; t++) area += mesh_triangle_area(mesh, t);
+    return area;
+}
+
+double mesh_volume(int triangles, const int *triangle, const double *x) {
+    const double *origin = x + 3 * (size_t)triangle[0];
+    double sum = 0.0;
+    for (int t = 0; t < triangles; t++) {
+        double side[3][3], normal[3];
+        for (int k = 0; k < 3; k++)
+            vec3_subtract(side[k], x + 3 * (size_t)triangle[3 * t + k], origin);
+        vec3_cross(normal, side[1], side[2]);
+        sum += vec3_dot(side[0], normal) / 6.0;
+    }
+    return sum;
+}
 
 /* A tetrahedron (0, a, b, c) of volume V has the first moments V/4 (a + b + c) and the second ones
  * V/20 ((a + b + c)(a + b + c)' + a a' + b b' + c c'). */
