@@ -103,6 +103,15 @@ static void restored(pdyn_sim *sim, const void *state, size_t size, uint64_t has
     assert_true(pdyn_state_hash(sim) == hash);
 }
 
+/* A state brings holds back that were released since. */
+static void restored_after_release(pdyn_sim *sim, const void *state, size_t size, uint64_t hash) {
+    for (int i = 0; i < VERTICES; i++) good(pdyn_release(sim, i));
+    take_steps(sim, 3);
+    good(pdyn_restore_memory(sim, state, size));
+    take_steps(sim, 5);
+    assert_true(pdyn_state_hash(sim) == hash);
+}
+
 static void restore_holds(const char *text) {
     if (test_lacks_solver(text)) return;
     static unsigned char bytes[1 << 20];
@@ -119,6 +128,7 @@ static void restore_holds(const char *text) {
     good(pdyn_release(sim, CORNER));
     good(pdyn_hold(sim, CORNER - 2, 1e4, (double[]){0.1, 0.1, 0.1}));
     restored(sim, bytes, size, hash, 2e4);
+    restored_after_release(sim, bytes, size, hash);
     continues(sim, text);
     pdyn_free(sim);
 }

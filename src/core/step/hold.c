@@ -62,7 +62,8 @@ static struct hold *add_hold(struct pdyn_sim *sim) {
         context_grow(sim->context, c->hold, &c->room, c->holds + 1, sizeof *c->hold);
     if (!list) return NULL;
     c->hold = list;
-    return &c->hold[c->holds++];
+    list[c->holds] = (struct hold){0}; /* the place may have been that of a released one */
+    return &list[c->holds++];
 }
 
 static int compare_holds(const void *a, const void *b) {
