@@ -49,13 +49,14 @@ class Constraint(Fixed):
         """The numbers that the simulation uses, by their names."""
         found: dict[str, Parameter] = {}
         info = ParameterInfo()
-        while True:
-            lib.pdyn_get_parameter_sized(self._handle.pointer, self._index, len(found),
-                                         byref(info), sizeof(info))
-            if info.name is None:
-                return found
-            found[info.name.decode()] = Parameter(info.value, info.unit.decode(), info.minimum,
-                                                  info.maximum, info.changeable, info.doc.decode())
+        with self._handle.lock:  # a step of another thread may move the list of constraints
+            while True:
+                lib.pdyn_get_parameter_sized(self._handle.pointer, self._index, len(found), byref(info),
+                                             sizeof(info))
+                if info.name is None:
+                    return found
+                found[info.name.decode()] = Parameter(info.value, info.unit.decode(), info.minimum,
+                                                      info.maximum, info.changeable, info.doc.decode())
 
     def __getitem__(self, name: str) -> Any:
         """A parameter: a number; an array of three for a vector; n x 4 for the keys of a path; the
@@ -75,7 +76,8 @@ class Constraint(Fixed):
     @property
     def enabled(self) -> bool:
         """Whether the constraint acts; it can be switched off and on."""
-        return lib.pdyn_is_enabled(self._handle.pointer, self._index)
+        with self._handle.lock:
+            return lib.pdyn_is_enabled(self._handle.pointer, self._index)
 
     @enabled.setter
     def enabled(self, enabled: bool) -> None:
@@ -131,13 +133,15 @@ class Constraint(Fixed):
 
     def _info(self) -> ConstraintInfo:
         info = ConstraintInfo()
-        lib.pdyn_get_constraint_sized(self._handle.pointer, self._index, byref(info), sizeof(info))
+        with self._handle.lock:
+            lib.pdyn_get_constraint_sized(self._handle.pointer, self._index, byref(info), sizeof(info))
         return info
 
     def _values(self) -> tuple[np.ndarray, np.ndarray]:
-        elements = self.elements
-        energy, distance = np.empty(elements), np.empty(elements)
-        self._handle.call(lib.pdyn_element_values, self._index, address(energy), address(distance))
+        with self._handle.lock:  # the number of elements may change with every step
+            elements = self.elements
+            energy, distance = np.empty(elements), np.empty(elements)
+            self._handle.call(lib.pdyn_element_values, self._index, address(energy), address(distance))
         return energy, distance
 
 

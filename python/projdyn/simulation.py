@@ -119,7 +119,8 @@ class Simulation(Fixed):
     @property
     def solver(self) -> str:
         """Type of the linear solver in use."""
-        return lib.pdyn_solver_type(self._handle.pointer).decode()
+        with self._handle.lock:  # a step of another thread may make the solver anew
+            return lib.pdyn_solver_type(self._handle.pointer).decode()
 
     @property
     def integrator(self) -> str:

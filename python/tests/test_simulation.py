@@ -11,6 +11,7 @@ import tempfile
 import threading
 import unittest
 import warnings
+from unittest import mock
 
 import numpy as np
 
@@ -243,16 +244,35 @@ class Views(unittest.TestCase):
         self.assertLessEqual(read, after)
 
     def test_readers_wait_for_another_thread(self):
-        """A step changes texts of warnings, and a change of a path ends the memory of the old one."""
+        """A step changes texts of warnings and the list of constraints, and a change of a path ends
+        the memory of the old one."""
         sim = hanging_sheet().load()
         pin = sim.constraints["sheet", "pin"]
-        for read in (lambda: sim.hash, lambda: sim.warnings, lambda: sim.gravity, lambda: pin["stiffness"]):
+        for read in (lambda: sim.hash, lambda: sim.warnings, lambda: sim.gravity, lambda: sim.solver,
+                     lambda: pin["stiffness"], lambda: pin.parameters, lambda: pin.energy, lambda: pin.enabled):
             with sim._handle.lock:
                 thread = threading.Thread(target=read)
                 thread.start()
                 thread.join(0.05)
                 self.assertTrue(thread.is_alive())
             thread.join()
+
+    def test_no_step_comes_between_the_number_of_elements_and_their_values(self):
+        """The values would be written behind the end of the array."""
+        sim = hanging_sheet().load()
+        thread = threading.Thread(target=sim.step)
+        count, waits = type(sim.constraints["sheet", "spring"]).elements.fget, []
+
+        def elements(constraint):
+            thread.start()
+            thread.join(0.05)
+            waits.append(thread.is_alive())
+            return count(constraint)
+
+        with mock.patch.object(type(sim.constraints["sheet", "spring"]), "elements", property(elements)):
+            sim.constraints["sheet", "spring"].energies()
+        thread.join()
+        self.assertEqual(waits, [True])
 
     def test_fluid(self):
         sim = tank_of_water().load()
