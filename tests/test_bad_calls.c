@@ -262,6 +262,36 @@ static void test_failed(void **state) {
     sim->failed = false;
 }
 
+/* Nor can it by an observer, within a step, and nothing is saved or restored there. */
+#define WITHIN(X)                                                                                  \
+    X(pdyn_save(sim, "state"))                                                                     \
+    X(pdyn_save_memory(sim, NULL, 0, &size))                                                       \
+    X(pdyn_restore(sim, "state"))                                                                  \
+    X(pdyn_restore_memory(sim, position, sizeof position))                                         \
+    X(writer_resume(sim, "out"))                                                                   \
+    X(pdyn_writer_save(writer))
+
+static void observe(void *user, const pdyn_iteration *iteration) {
+    int *calls = user;
+    size_t size;
+    ++*calls;
+    assert_non_null(iteration->x);
+#define CHECK(call) check(call, #call, "within a step an observer may read the simulation alone");
+    CHANGES(CHECK)
+    WITHIN(CHECK)
+#undef CHECK
+}
+
+static void test_observer(void **state) {
+    (void)state;
+    int calls = 0;
+    pdyn_observe(sim, observe, &calls);
+    assert_int_equal(pdyn_step(sim, NULL), PDYN_OK);
+    assert_true(calls > 0);
+    pdyn_observe(sim, NULL, NULL);
+    assert_int_equal(pdyn_release(sim, 0), PDYN_OK);
+}
+
 static void *no_memory(void *user, void *block, size_t old_size, size_t new_size) {
     (void)user, (void)block, (void)old_size, (void)new_size;
     return NULL;
@@ -348,7 +378,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_status),     cmocka_unit_test(test_failed),
         cmocka_unit_test(test_no_context), cmocka_unit_test(test_values),
-        cmocka_unit_test(test_nothing),
+        cmocka_unit_test(test_nothing),    cmocka_unit_test(test_observer),
     };
     return cmocka_run_group_tests_name("bad_calls", tests, set_up, tear_down);
 }

@@ -194,7 +194,8 @@ typedef struct pdyn_iteration {
     const double *x;       /* m, particles x 3: the iterate; valid during the call */
 } pdyn_iteration;
 /* Sets the observer that every later step calls at its starting point and after each local/global
- * iteration. observer NULL: none. */
+ * iteration, on the thread of the step. It must not free the simulation; functions that change,
+ * save or restore it return PDYN_BAD_CALL. observer NULL: none. */
 PDYN_API void pdyn_observe(pdyn_sim *sim, void (*observer)(void *user, const pdyn_iteration *),
                            void *user);
 

@@ -199,7 +199,7 @@ pdyn_status snapshot_end_read(struct pdyn_sim *sim, struct snapshot_file *before
 
 pdyn_status pdyn_save(pdyn_sim *sim, const char *path) {
     struct snapshot_file file;
-    if (HAS_NULL(sim, path)) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, path) || control_is_in_step(__func__, sim)) return PDYN_BAD_CALL;
     pdyn_status status = snapshot_file_create(sim->context, path, &file);
     if (status != PDYN_OK) return status;
     snapshot_write(sim, &file);
@@ -208,7 +208,7 @@ pdyn_status pdyn_save(pdyn_sim *sim, const char *path) {
 
 pdyn_status pdyn_save_memory(pdyn_sim *sim, void *buffer, size_t capacity, size_t *size) {
     struct snapshot_file file;
-    if (HAS_NULL(sim, size)) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, size) || control_is_in_step(__func__, sim)) return PDYN_BAD_CALL;
     if (!buffer && capacity) return bad_call(__func__, "buffer is NULL, capacity is %zu", capacity);
     snapshot_buffer_create(sim->context, buffer, capacity, &file);
     pdyn_status status = snapshot_write(sim, &file);
@@ -228,14 +228,14 @@ static pdyn_status restore_from(pdyn_sim *sim, struct snapshot_file *file) {
 
 pdyn_status pdyn_restore(pdyn_sim *sim, const char *path) {
     struct snapshot_file file;
-    if (HAS_NULL(sim, path)) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, path) || control_is_in_step(__func__, sim)) return PDYN_BAD_CALL;
     pdyn_status status = snapshot_file_open(sim->context, path, &file);
     return status == PDYN_OK ? restore_from(sim, &file) : status;
 }
 
 pdyn_status pdyn_restore_memory(pdyn_sim *sim, const void *buffer, size_t size) {
     struct snapshot_file file;
-    if (HAS_NULL(sim, buffer)) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, buffer) || control_is_in_step(__func__, sim)) return PDYN_BAD_CALL;
     pdyn_status status = snapshot_buffer_open(sim->context, buffer, size, &file);
     return status == PDYN_OK ? restore_from(sim, &file) : status;
 }

@@ -97,7 +97,7 @@ static pdyn_status persist_output(pdyn_writer *writer, struct snapshot_file *fil
 
 pdyn_status pdyn_writer_save(pdyn_writer *writer) {
     struct snapshot_file file;
-    if (HAS_NULL(writer)) return PDYN_BAD_CALL;
+    if (HAS_NULL(writer) || control_is_in_step(__func__, writer->sim)) return PDYN_BAD_CALL;
     double start = clock_ms();
     pdyn_status status =
         snapshot_file_create(writer->context, writer_path(writer, STATE_FILE), &file);
@@ -243,7 +243,9 @@ pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool ply, pdy
 
 pdyn_status pdyn_writer_resume(pdyn_sim *sim, const char *directory, pdyn_writer **out) {
     if (out) *out = NULL;
-    if (HAS_NULL(sim, directory, out) || has_no_name(__func__, directory)) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, directory, out) || has_no_name(__func__, directory) ||
+        control_is_in_step(__func__, sim))
+        return PDYN_BAD_CALL;
     return open_writer(sim, directory, false, resume, out);
 }
 

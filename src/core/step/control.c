@@ -17,7 +17,13 @@
 #include <math.h>
 #include <string.h>
 
-bool control_has_failed(const char *function, const struct pdyn_sim *sim) {
+bool control_is_in_step(const char *function, const struct pdyn_sim *sim) {
+    if (sim->in_step) bad_call(function, "within a step an observer may read the simulation alone");
+    return sim->in_step;
+}
+
+bool control_refuses(const char *function, const struct pdyn_sim *sim) {
+    if (control_is_in_step(function, sim)) return true;
     if (sim->failed) bad_call(function, "the simulation has failed before: restore a state first");
     return sim->failed;
 }
@@ -81,7 +87,7 @@ static pdyn_status check_numbers(const double *number, int count, double limit, 
 /* Whether the simulation has failed, or lacks some of the particles from `first`. */
 static bool bad_range(const char *function, const pdyn_sim *sim, int first, int count) {
     int particles = sim->objective.particles;
-    if (control_has_failed(function, sim)) return true;
+    if (control_refuses(function, sim)) return true;
     if (first >= 0 && count >= 0 && first <= particles - count) return false;
     bad_call(function, "first %d, count %d: there are %d particles", first, count, particles);
     return true;
@@ -118,7 +124,7 @@ void control_set_gravity(struct pdyn_sim *sim, const double gravity[3]) {
 }
 
 pdyn_status pdyn_set_gravity(pdyn_sim *sim, const double gravity[3]) {
-    if (HAS_NULL(sim, gravity) || control_has_failed(__func__, sim)) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim, gravity) || control_refuses(__func__, sim)) return PDYN_BAD_CALL;
     pdyn_status status = check_numbers(gravity, 1, 1e6, "an acceleration", "m/s^2");
     if (status != PDYN_OK) return status;
     sim->control.driven = true;

@@ -18,8 +18,12 @@ struct control {
     int batches;              /* number of these */
 };
 
-/* Whether the simulation has failed: a bad call of the function. */
-bool control_has_failed(const char *function, const struct pdyn_sim *sim);
+/* Whether a step is being computed, where an observer may read the simulation alone: a bad call of
+ * the function. */
+bool control_is_in_step(const char *function, const struct pdyn_sim *sim);
+
+/* The same, or the simulation has failed. */
+bool control_refuses(const char *function, const struct pdyn_sim *sim);
 
 /* After changes of constraints: makes the batches of holds and the linear solvers anew. After a
  * failure the simulation takes no further step. */

@@ -171,7 +171,7 @@ static pdyn_status check_hold(struct pdyn_sim *sim, int particle, double stiffne
 
 pdyn_status pdyn_hold(pdyn_sim *sim, int particle, double stiffness, const double target[3]) {
     if (HAS_NULL(sim, target) || BAD_INDEX(particle, sim->objective.particles) ||
-        control_has_failed(__func__, sim))
+        control_refuses(__func__, sim))
         return PDYN_BAD_CALL;
     pdyn_status status = check_hold(sim, particle, stiffness, target);
     if (status != PDYN_OK) return status;
@@ -193,7 +193,7 @@ void holds_leave(struct pdyn_sim *sim, int particle) {
 
 pdyn_status pdyn_release(pdyn_sim *sim, int particle) {
     if (HAS_NULL(sim) || BAD_INDEX(particle, sim->objective.particles) ||
-        control_has_failed(__func__, sim))
+        control_refuses(__func__, sim))
         return PDYN_BAD_CALL;
     holds_leave(sim, particle);
     return PDYN_OK;

@@ -27,8 +27,7 @@ static struct name name_of(const struct pdyn_sim *sim, int body, int inlet) {
 
 /* Whether the simulation has failed, or there is no such inlet. */
 static bool bad_inlet(const char *function, const pdyn_sim *sim, int body, int inlet) {
-    return control_has_failed(function, sim) ||
-           call_bad_index(function, "body", body, sim->bodies) ||
+    return control_refuses(function, sim) || call_bad_index(function, "body", body, sim->bodies) ||
            call_bad_index(function, "inlet", inlet, pdyn_inlets(sim, body));
 }
 

@@ -114,7 +114,7 @@ pdyn_status pdyn_move_solid(pdyn_sim *sim, int solid, double time, const double 
                             const double rotate[3]) {
     char what[128];
     if (HAS_NULL(sim, translate, rotate) || BAD_INDEX(solid, sim->scene.solids) ||
-        control_has_failed(__func__, sim))
+        control_refuses(__func__, sim))
         return PDYN_BAD_CALL;
     snprintf(what, sizeof what, "solid \"%s\"", sim->scene.solid[solid].name);
     struct scene_key to = given_key(time, translate, rotate);

@@ -217,7 +217,7 @@ pdyn_status parameters_follow(struct pdyn_sim *sim, int constraint, const pdyn_p
 pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name, const double *value,
                                int count) {
     if (HAS_NULL(sim, name, value) || BAD_INDEX(constraint, sim->constraints) ||
-        control_has_failed(__func__, sim))
+        control_refuses(__func__, sim))
         return PDYN_BAD_CALL;
     struct batch *b = sim->objective.batch[constraint];
     const pdyn_param *p = b->type->params;
@@ -233,8 +233,7 @@ pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name, 
 }
 
 pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled) {
-    if (HAS_NULL(sim) || BAD_INDEX(constraint, sim->constraints) ||
-        control_has_failed(__func__, sim))
+    if (HAS_NULL(sim) || BAD_INDEX(constraint, sim->constraints) || control_refuses(__func__, sim))
         return PDYN_BAD_CALL;
     const struct batch *b = sim->objective.batch[constraint];
     if (b->off == !enabled) return PDYN_OK;

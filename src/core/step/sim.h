@@ -26,7 +26,8 @@ struct probes;
 struct pdyn_sim {
     pdyn_context *context;
     struct scene scene;
-    bool failed; /* diverged: pdyn_step fails until a state is restored */
+    bool failed;  /* diverged: pdyn_step fails until a state is restored */
+    bool in_step; /* a step is being computed */
 
     /* The state, and what the last steps leave for the next one. */
     double *x, *v; /* particles x 3, m and m/s */

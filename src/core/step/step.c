@@ -238,10 +238,12 @@ static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_inf
     struct progress progress;
     int retries = 0;
     double start = clock_ms(), cpu = clock_cpu_ms();
+    sim->in_step = true;
     forces_forget(sim);
     sim->objective.ms_neighbours = sim->objective.ms_local = 0.0;
     if (sim->objective.contact) contact_clear_ms(sim->objective.contact);
     pdyn_status status = attempt_with_retries(sim, &end, &progress, &retries);
+    sim->in_step = false;
     if (status != PDYN_OK) return status;
     finish_step(sim, &end, &progress);
     *info = (pdyn_step_info){.time = sim->time,
@@ -274,12 +276,12 @@ static pdyn_status step_by(struct pdyn_sim *sim, double h, pdyn_step_info *info,
 }
 
 pdyn_status pdyn_step_sized(pdyn_sim *sim, pdyn_step_info *info, size_t size) {
-    if (HAS_NULL(sim) || control_has_failed(__func__, sim)) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim) || control_refuses(__func__, sim)) return PDYN_BAD_CALL;
     return step_by(sim, 0.0, info, size);
 }
 
 pdyn_status pdyn_step_by_sized(pdyn_sim *sim, double h, pdyn_step_info *info, size_t size) {
-    if (HAS_NULL(sim) || control_has_failed(__func__, sim)) return PDYN_BAD_CALL;
+    if (HAS_NULL(sim) || control_refuses(__func__, sim)) return PDYN_BAD_CALL;
     if (!(h >= TIMESTEP_SHORTEST && h <= TIMESTEP_LONGEST))
         return set_error(PDYN_BAD_INPUT, "expected a step from %g to %g s, found %g s",
                          TIMESTEP_SHORTEST, TIMESTEP_LONGEST, h);
