@@ -48,9 +48,10 @@ PDYN_API pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled);
 /* Whether it acts; false: no such constraint. */
 PDYN_API bool pdyn_is_enabled(const pdyn_sim *sim, int constraint);
 
-/* Holds a particle: a spring of the stiffness, N/m, pulls it to the target, m. Given again for the
- * same particle: moves the target (nothing), or changes the stiffness (solvers). A new hold and a
- * release: solvers. */
+/* Holds a particle: a spring of the stiffness, N/m, pulls it to the target, m, with the force
+ * stiffness (target - x). pdyn_step_info.pin_reaction and pdyn_body_load_by (probe.h) contain it.
+ * Given again for the same particle: moves the target (nothing), or changes the stiffness
+ * (solvers). A new hold and a release: solvers. */
 PDYN_API pdyn_status pdyn_hold(pdyn_sim *sim, int particle, double stiffness,
                                const double target[3]);
 PDYN_API pdyn_status pdyn_release(pdyn_sim *sim, int particle); /* not held: does nothing */

@@ -114,7 +114,7 @@ PDYN_API pdyn_status pdyn_create_sized(const pdyn_options *options, size_t size,
 static inline pdyn_status pdyn_create(const pdyn_options *options, pdyn_context **out) {
     return pdyn_create_sized(options, sizeof *options, out);
 }
-/* All simulations of the context must be freed before. NULL: does nothing. */
+/* All simulations and scenes (scene.h) of the context must be freed before. NULL: does nothing. */
 PDYN_API void pdyn_destroy(pdyn_context *context);
 /* Text of the last call of the calling thread that failed: what was given, what was expected; after
  * PDYN_BAD_CALL with the names of the function and the argument. Every call that fails sets it, no
@@ -175,9 +175,10 @@ typedef struct pdyn_step_info {
 } pdyn_step_info;
 
 /* Computes one step. info NULL: no results. After a failure (PDYN_DIVERGED, PDYN_SOLVER_FAILED,
- * PDYN_NO_MEMORY) the simulation has the state of its last successful step, which can be read and
- * saved. Every later step fails with PDYN_BAD_CALL, until pdyn_restore has succeeded: then the
- * simulation continues with the same bits as a new one that restores this state. */
+ * PDYN_NO_MEMORY) *info is not written, and the simulation has the state of its last successful
+ * step, which can be read and saved. Every later step fails with PDYN_BAD_CALL, until pdyn_restore
+ * has succeeded: then the simulation continues with the same bits as a new one that restores this
+ * state. */
 PDYN_API pdyn_status pdyn_step_sized(pdyn_sim *sim, pdyn_step_info *info, size_t size);
 static inline pdyn_status pdyn_step(pdyn_sim *sim, pdyn_step_info *info) {
     return pdyn_step_sized(sim, info, sizeof *info);
