@@ -469,7 +469,7 @@ def failures_of(scene, directory, code, errors):
     if code not in (0, 1, 2):
         return [f"exit code {code}: {errors[-300:]}"]
     if code == 2:
-        named = re.search(r"scene\.json:\d+|contact: at the start .*\"", errors)
+        named = re.search(r"scene\.json:\d+|contact: .*\"", errors)
         return [] if named else [f"exit code 2 without a place: {errors[-300:]}"]
     found = []
     if code == 1 and not re.search(r"step \d+ of \S+ s at \S+ s: \w", errors):

@@ -10,7 +10,8 @@
 
 typedef double v4 __attribute__((vector_size(32)));
 
-/* Sanitizers do not support the loader's choice between versions of a function. */
+/* Sanitizers do not support the loader's choice between versions of a function. For valgrind, which
+ * does not know all instructions of the wide versions, build with -Dc_args=-DSIMD_PLAIN. */
 #if !defined(__x86_64__) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define SIMD_PLAIN
 #elif defined(__has_feature)

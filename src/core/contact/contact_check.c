@@ -84,12 +84,12 @@ static pdyn_status fail_intersecting(const struct contact *c, int e, int f) {
     double x[3];
     find_crossing(at + 3 * edge[0], at + 3 * edge[1], at + 3 * face[0], at + 3 * face[1],
                   at + 3 * face[2], x);
-    return set_error(
-        PDYN_BAD_INPUT,
-        "contact: at the start triangle %d of \"%s\" and triangle %d of \"%s\" intersect, near "
-        "(%.3g, %.3g, %.3g) m; they are %.3g m and %.3g m long",
-        triangle_number(c, edge, 2), c->name[one], triangle_number(c, face, 3), c->name[other],
-        x[0], x[1], x[2], extent_of_group(c, one), extent_of_group(c, other));
+    return set_error(PDYN_BAD_INPUT,
+                     "contact: triangle %d of \"%s\" and triangle %d of \"%s\" intersect, near "
+                     "(%.3g, %.3g, %.3g) m; they are %.3g m and %.3g m long",
+                     triangle_number(c, edge, 2), c->name[one], triangle_number(c, face, 3),
+                     c->name[other], x[0], x[1], x[2], extent_of_group(c, one),
+                     extent_of_group(c, other));
 }
 
 static pdyn_status check_intersections(const struct contact *c) {
@@ -115,7 +115,7 @@ static pdyn_status check_distances(const struct contact *c) {
         if (distance >= least) continue;
         return set_error(
             PDYN_BAD_INPUT,
-            "contact: at the start \"%s\" and \"%s\" are %.3g m apart at (%g, %g, %g), "
+            "contact: \"%s\" and \"%s\" are %.3g m apart at (%g, %g, %g), "
             "expected at least a sixteenth of the thickness, %.3g m: leave a gap between them",
             c->name[c->group[point[0]]], c->name[c->group[point[3]]], distance, at[0], at[1], at[2],
             least);
