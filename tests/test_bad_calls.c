@@ -333,6 +333,7 @@ static void test_values(void **state) {
     assert_null(pdyn_solid_name(NULL, 0));
     assert_null(pdyn_get_probe(NULL, 0).name);
     assert_int_equal(pdyn_solid_vertices(NULL, 0, NULL), 0);
+    assert_int_equal(pdyn_solid_triangles(NULL, 0, NULL), 0);
     assert_int_equal(pdyn_thread_count(NULL), 0);
     assert_int_equal(pdyn_bytes_in_use(NULL), 0);
     assert_int_equal(pdyn_peak_bytes(NULL), 0);

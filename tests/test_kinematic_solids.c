@@ -95,6 +95,32 @@ static void test_vertices(void **state) {
     pdyn_destroy(context);
 }
 
+/* The triangles of a box of 1 m x 1 m x 1 m without its top face outwards: the volume that they
+ * enclose with the origin, which lies in the plane of the top, is that of the box. */
+static void test_triangles(void **state) {
+    (void)state;
+    static const char tank[] = SCENE(
+        "'duration': 1", GRID_SHEET("", "0.2, 0.2", "3, 3", "'area_density': 1", SPRINGS("10")),
+        ", 'solids': [{'box': {'minimum': [-0.5, -1, -0.5], 'maximum': [0.5, 0, 0.5]}, "
+        "'open': ['+y']}]");
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, tank);
+    double x[24], volume = 0.0;
+    int triangle[30];
+    assert_int_equal(pdyn_solid_vertices(sim, 0, x), 8);
+    assert_int_equal(pdyn_solid_triangles(sim, 0, NULL), 10);
+    assert_int_equal(pdyn_solid_triangles(sim, 0, triangle), 10);
+    assert_int_equal(pdyn_solid_triangles(sim, 1, triangle), 0);
+    for (int t = 0; t < 10; t++) {
+        double normal[3];
+        vec3_cross(normal, x + 3 * triangle[3 * t], x + 3 * triangle[3 * t + 1]);
+        volume += vec3_dot(normal, x + 3 * triangle[3 * t + 2]) / 6.0;
+    }
+    assert_true(fabs(volume - 1.0) < 1e-12);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* Largest speed of a point by central differences, m/s. */
 static double measured_speed(pdyn_sim *sim, double *before, double time) {
     const pdyn_state s = pdyn_get_state(sim);
@@ -338,11 +364,17 @@ static void test_divergence(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_carry),         cmocka_unit_test(test_layer),
-        cmocka_unit_test(test_vertices),      cmocka_unit_test(test_speed),
-        cmocka_unit_test(test_carried_tank),  cmocka_unit_test(test_paddle_long),
-        cmocka_unit_test(test_piston),        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_no_allocation), cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_carry),
+        cmocka_unit_test(test_layer),
+        cmocka_unit_test(test_vertices),
+        cmocka_unit_test(test_triangles),
+        cmocka_unit_test(test_speed),
+        cmocka_unit_test(test_carried_tank),
+        cmocka_unit_test(test_paddle_long),
+        cmocka_unit_test(test_piston),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_no_allocation),
+        cmocka_unit_test(test_failing_allocator),
         cmocka_unit_test(test_divergence),
     };
     return cmocka_run_group_tests_name("motion", tests, test_enter_directory, test_leave_directory);

@@ -342,10 +342,13 @@ static inline pdyn_warning pdyn_get_warning(const pdyn_sim *sim, int warning) {
 /* Name of a solid, in the order of the scene. NULL: no such solid. */
 PDYN_API const char *pdyn_solid_name(const pdyn_sim *sim, int solid);
 /* The vertices of the mesh of a solid, where they are at the current time, m, vertices x 3; with
- * contact, a surface may hold the solid up before the place that its motion gives. The triangles
- * are those of the file in DIR/solids (pdyn_writer_open). x NULL: not wanted. Returns the number of
- * vertices; 0: no such solid. */
+ * contact, a surface may hold the solid up before the place that its motion gives. x NULL: not
+ * wanted. Returns the number of vertices; 0: no such solid. */
 PDYN_API int pdyn_solid_vertices(const pdyn_sim *sim, int solid, double *x);
+/* The triangles of this mesh, triangles x 3, indices of its vertices. They face outwards, those of
+ * a box, too; its open sides have none. triangle NULL: not wanted. Returns the number of
+ * triangles; 0: no such solid. */
+PDYN_API int pdyn_solid_triangles(const pdyn_sim *sim, int solid, int *triangle);
 
 /* The load on a solid at the end of the last step: force, N, and moment, N m, about the origin of
  * the world. It is the sum of
@@ -389,8 +392,8 @@ PDYN_API pdyn_status pdyn_restore_memory(pdyn_sim *sim, const void *buffer, size
  * surface at the start, with the texture coordinates, groups and materials of the scene's OBJ file.
  * Boundary points of solids at rest are in DIR/boundary.vtk; those of moving solids have a file per
  * frame like a body "boundary". DIR/solids has the mesh of every solid: NAME.vtk, or for a solid
- * that moves a file per frame and NAME.vtk.series. Triangles face outwards, of a box from its
- * inside; its open sides have none. DIR/files.json lists the files of bodies and solids:
+ * that moves a file per frame and NAME.vtk.series. Triangles face outwards, those of a box, too;
+ * its open sides have none. DIR/files.json lists the files of bodies and solids:
  * pdyn_writer_open makes the directory and removes the files of the previous run in it, and no
  * other files. Files appear complete or not at all.
  *

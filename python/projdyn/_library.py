@@ -40,6 +40,8 @@ FUNCTIONS = {
     "pdyn_get_vector_sized": (None, Sim, c_int, c_int, POINTER(VectorInfo), c_size_t),
     "pdyn_get_warning_sized": (None, Sim, c_int, POINTER(WarningInfo), c_size_t),
     "pdyn_solid_name": (c_char_p, Sim, c_int),
+    "pdyn_solid_vertices": (c_int, Sim, c_int, Doubles),
+    "pdyn_solid_triangles": (c_int, Sim, c_int, Ints),
     "pdyn_solid_load": (Status, Sim, c_int, Doubles, Doubles),
     "pdyn_save": (Status, Sim, c_char_p),
     "pdyn_restore": (Status, Sim, c_char_p),

@@ -65,6 +65,17 @@ class Solid(Fixed):
                           address(pose.rotate))
         return pose
 
+    @property
+    def vertices(self) -> np.ndarray:
+        """n x 3, m: the vertices of its mesh at the present time. With contact, a surface may hold
+        the solid up before its pose."""
+        return self._mesh(lib.pdyn_solid_vertices, np.float64)
+
+    @property
+    def triangles(self) -> np.ndarray:
+        """m x 3: indices of its vertices, from 0. They face outwards."""
+        return self._mesh(lib.pdyn_solid_triangles, np.intc)
+
     def move(self, time: float, translate: Any = (0, 0, 0), rotate: Any = (0, 0, 0)) -> None:
         """Moves the solid evenly so that at `time`, s, it has this pose, in which it rests.
 
@@ -76,3 +87,13 @@ class Solid(Fixed):
         step, turn = doubles(translate, (3,), "translate"), doubles(rotate, (3,), "rotate")
         self._handle.call(lib.pdyn_move_solid, self._index, number(time, "time"),
                           address(step), address(turn))
+
+    # ---- parts ----------------------------------------------------------------------------------
+
+    def _mesh(self, function: Callable[..., int], dtype: Any) -> np.ndarray:
+        """A copy of the vertices or triangles."""
+        with self._handle.lock:
+            rows = np.empty((function(self._handle.pointer, self._index, None), 3), dtype)
+            function(self._handle.pointer, self._index, address(rows))
+        rows.flags.writeable = False
+        return rows

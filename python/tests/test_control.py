@@ -267,6 +267,14 @@ class Control(unittest.TestCase):
         sim.step(h=0.001)
         np.testing.assert_allclose(plate.pose.rotate, [10, 20, 30], atol=1e-12)
         np.testing.assert_array_equal(sim.solids["floor"].pose, np.zeros((2, 3)))
+        np.testing.assert_allclose(np.unique(sim.solids["floor"].vertices, axis=0),
+                                   [[x, -1, z] for x in (-0.5, 0.5) for z in (-0.5, 0.5)])
+        corners = sim.solids["floor"].vertices[sim.solids["floor"].triangles]
+        np.testing.assert_allclose(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]),
+                                   [[0, 1, 0], [0, 1, 0]])
+        turned = plate.vertices - plate.vertices.mean(0)
+        np.testing.assert_allclose(np.linalg.norm(turned, axis=1), np.linalg.norm([1, 0.075, 1]))
+        self.assertEqual(plate.triangles.shape, (12, 3))
         self.assertGreater(sim.bodies["sheet"].x[:, 1].min(), 0.05)
 
     def test_an_inlet_opens_moves_and_shuts(self):
