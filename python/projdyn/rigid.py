@@ -59,7 +59,8 @@ class Rigid(Body):
     def set_wrench(self, force: Any = (0, 0, 0), moment: Any = (0, 0, 0)) -> None:
         """Sets a force through the centre of mass, N, and a moment about it, N m, which act until
         they are set again, beside the forces on the vertices. Both keep their direction in the
-        world. A saved state has the force, but not the moment: set it again after restore."""
+        world. A saved state has the force, but not the moment: set it again after restore, which
+        ends the moment that acts."""
         push, turn = doubles(force, (3,), "force"), doubles(moment, (3,), "moment")
         self._wrench[:] = [(push.copy(), turn.copy())] if turn.any() else []
         self._apply(push, turn)
@@ -89,6 +90,10 @@ class Rigid(Body):
         """A moment is forces on points, which turn with the body: they are set anew."""
         for wrench in self._wrench:
             self._apply(*wrench)
+
+    def end_wrench(self) -> None:
+        """The forces of a restored state take the place of those of a moment."""
+        self._wrench.clear()
 
     def _apply(self, push: np.ndarray, turn: np.ndarray) -> None:
         spin = np.linalg.solve(self.inertia, turn)

@@ -176,6 +176,7 @@ class Simulation(Fixed):
             self._handle.call(lib.pdyn_restore, path_of(state, "state"))
         else:
             raise wrong_type("state", "bytes or a path", state)
+        self._end_wrenches()
 
     # ---- results --------------------------------------------------------------------------------
 
@@ -215,7 +216,16 @@ class Simulation(Fixed):
     def write(self, directory: Path, *, ply: bool = False, resume: bool = False) -> Writer:
         """A writer of frames, metrics.csv and report.json into a directory; see Writer. resume: goes
         on with the run in the directory, of the same scene, from the state that was saved there."""
-        return Writer(self._handle, directory, ply, resume)
+        writer = Writer(self._handle, directory, ply, resume)
+        if resume:
+            self._end_wrenches()
+        return writer
+
+    def _end_wrenches(self) -> None:
+        """After a restored state, whose forces act alone."""
+        for body in self.bodies.values():
+            if isinstance(body, Rigid):
+                body.end_wrench()
 
 
 def _arrays(state: State, handle: Handle) -> dict[str, np.ndarray]:

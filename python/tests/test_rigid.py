@@ -1,4 +1,5 @@
 """Rigid bodies from Python: pose, motion, force and moment."""
+import tempfile
 import unittest
 
 import numpy as np
@@ -81,6 +82,24 @@ class Rigid(unittest.TestCase):
                 for _ in range(50):
                     sim.step()
             self.assertEqual(first.hash == second.hash, same, (moment, again))
+
+    def test_a_restored_state_ends_a_wrench(self):
+        """That acts since: the simulation goes on as a new one does from this state."""
+        with tempfile.TemporaryDirectory() as folder:
+            for moment in ([0, 0, 0], [0, 0.5, 0]):
+                sim, new = load(), load()
+                sim.step()
+                with sim.write(folder):
+                    pass  # saves the state
+                start = sim.state()
+                new.restore(start)
+                new.step()
+                for restore in (lambda: sim.restore(start), lambda: sim.write(folder, resume=True)):
+                    sim.bodies["box"].set_wrench([0, 16, 0], moment)
+                    sim.step()
+                    restore()
+                    sim.step()
+                    self.assertEqual(sim.hash, new.hash)
 
     def test_placed(self):
         sim = load()
