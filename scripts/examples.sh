@@ -24,6 +24,10 @@ cd "$dir/examples"
 for compiler in "clang -std=c17 -O0" "g++ -x c++ -std=c++20 -Wno-missing-field-initializers -O0" "gcc -std=c17 -O2"; do
     command -v "${compiler%% *}" >/dev/null || { echo "skipped: no $compiler"; continue; }
     echo "== $compiler"
+    for header in $(find "$dir" -path '*/include/projdyn/*.h'); do
+        echo "#include <projdyn/$(basename "$header")>" >header.c
+        ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -fsyntax-only $flags header.c
+    done
     ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -o cloth cloth.c $libs
     ./cloth | tail -n 1
     ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -o memory memory.c $libs

@@ -36,11 +36,9 @@ struct kernel {
 /* W that is 0 beyond the distance `support`, m. */
 static inline struct kernel kernel_make(const struct kernel_model *model, double support) {
     double value = model->value / (3.14159265358979323846 * support * support * support);
-    return (struct kernel){.wendland = model->wendland,
-                           .support = support,
-                           .inverse = 1.0 / support,
-                           .value = value,
-                           .slope = model->slope * value / (support * support)};
+    struct kernel kernel = {model->wendland, support, 1.0 / support, value,
+                            model->slope * value / (support * support)};
+    return kernel;
 }
 
 /* W(r), 1/m^3; zero from the support on. */
@@ -86,12 +84,10 @@ struct surface_kernel {
 static inline struct surface_kernel surface_kernel_make(const struct kernel_model *model,
                                                         double spacing) {
     double reach = model->reach * spacing;
-    return (struct surface_kernel){.amplitude = model->surface,
-                                   .reach = reach,
-                                   .inverse = 1.0 / reach,
-                                   .soft = SURFACE_KERNEL_SOFT * reach * reach,
-                                   .value = 2.0 * model->surface / 3.14159265358979323846 /
-                                            (reach * spacing)};
+    struct surface_kernel kernel = {
+        model->surface, reach, 1.0 / reach, SURFACE_KERNEL_SOFT * reach * reach,
+        2.0 * model->surface / 3.14159265358979323846 / (reach * spacing)};
+    return kernel;
 }
 
 /* Distance, m, of the plane that adds `sum`; at most s. */

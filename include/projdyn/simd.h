@@ -38,7 +38,10 @@ typedef double v4 __attribute__((vector_size(32)));
  */
 
 /* out = (a[0], a[1], a[2], last) */
-INLINE void v4_set(v4 *out, const double *a, double last) { *out = (v4){a[0], a[1], a[2], last}; }
+INLINE void v4_set(v4 *out, const double *a, double last) {
+    v4 value = {a[0], a[1], a[2], last};
+    *out = value;
+}
 
 /* Loads or stores element `index` of an array of 4-vectors. */
 INLINE void v4_load(v4 *to, const double *from, int index) {
