@@ -103,6 +103,24 @@ static void test_light_under_heavy(void **state) {
     assert_true(press("0.1076", "1e6") < 10.0);
 }
 
+/* A cube of 100 kg falls by 2 mm onto one of 0.1 kg, corner over corner: their upright edges are
+ * parallel and carry no force of their own, wherever the corners were when the edges were listed.
+ */
+static void test_edge_over_edge(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        "{" STEPS_OF("0.005",
+                     "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.4}, "
+                                      "'solids': [{'plane': {'center': [0, 0, 0], 'normal': [0, "
+                                      "1, 0], 'size': 1}}], 'bodies': [" CUBE(
+                                          "0.003", "100") ", " CUBE("0.106", "1e5") "]}");
+    for (int n = 0; n < 40; n++) assert_true(test_step(context, sim).step_residual <= 0.1);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* The matrix of bodies in contact is H: its solve gives the motion back that a product begins with.
  */
 static void test_matrix(void **state) {
@@ -347,6 +365,7 @@ int main(void) {
         cmocka_unit_test(test_slope),
         cmocka_unit_test(test_stack),
         cmocka_unit_test(test_light_under_heavy),
+        cmocka_unit_test(test_edge_over_edge),
         cmocka_unit_test(test_floor_of_triangles),
         cmocka_unit_test(test_spinning_ball_slides),
         cmocka_unit_test(test_bumper),

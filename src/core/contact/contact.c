@@ -92,6 +92,8 @@ pdyn_status contact_local(struct contact *c, const double *x) {
 
 pdyn_status contact_place(struct contact *c, const double *x) {
     place_solids(c);
+    gather(c, x, c->at);
+    contact_set_start_positions(c);
     pdyn_status status = contact_local(c, x);
     return status == PDYN_OK ? contact_check(c) : status;
 }
@@ -104,6 +106,7 @@ pdyn_status contact_begin(struct contact *c, const double *x, double time) {
     memset(c->common.displacement, 0, 3 * (size_t)c->bodies * sizeof *c->common.displacement);
     copy_solids(c, solids_in(c, c->at), c->begin);
     if (c->moving) set_goals(c, time);
+    contact_set_start_positions(c);
     pdyn_status status = contact_set_start(c);
     if (status == PDYN_OK && c->bearings) status = bearings_update(c, x);
     c->ms += clock_ms() - start;
@@ -243,4 +246,5 @@ void contact_persist(struct contact *c, struct snapshot_file *file) {
     if (file->status == PDYN_OK) file->status = contact_search_pairs(c);
     contact_measure_moved(c, c->at);
     if (file->status == PDYN_OK) file->status = contact_find(c);
+    if (file->status == PDYN_OK) contact_set_start_positions(c);
 }

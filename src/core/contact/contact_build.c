@@ -128,6 +128,7 @@ static bool resize(struct contact *c, enum array_action action) {
         ARRAY(c->column, c->free),
         ARRAY(c->rest, 3 * n),
         ARRAY(c->at, 3 * n),
+        ARRAY(c->start_at, 3 * n),
         ARRAY(c->face, 3 * (size_t)c->faces),
         ARRAY(c->edge, 2 * edges),
         ARRAY(c->solid, c->groups - c->bodies),

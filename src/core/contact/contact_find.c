@@ -58,6 +58,26 @@ static void find_hits(void *arg, int first, int last, int block) {
     c->hits.count[block] = count;
 }
 
+/* Squared sine of the angle below which edges are nearly parallel: 1.8 degrees. */
+static const double parallel = 1e-3;
+
+/* The share of its stiffness that a contact has: for edges the mollifier of Li et al. (2020), 0
+ * where they are parallel. There the closest points are not unique, and the moment of the force
+ * would jump: a soft block whose edges lie along the diagonal of a plane had unsolved steps. A pair
+ * of a vertex and a face has the same distance and carries the force. The directions are those at
+ * the beginning of the step, so that the share is constant within it. */
+static double share_of(const struct contact *c, uint64_t key, const int point[4]) {
+    const double *x[4];
+    double d[2][3], normal[3];
+    if (pair_kind_of(key) != &pair_edge_edge) return 1.0;
+    pair_load(point, c->start_at, x);
+    for (int k = 0; k < 2; k++) vec3_subtract(d[k], x[2 * k + 1], x[2 * k]);
+    vec3_cross(normal, d[0], d[1]);
+    double squares = vec3_dot(d[0], d[0]) * vec3_dot(d[1], d[1]);
+    double t = vec3_dot(normal, normal) / (parallel * squares);
+    return t < 1.0 ? t * (2.0 - t) : 1.0;
+}
+
 static void set_offset(const struct contact *c, const struct stencil *s, double offset[3]) {
     memset(offset, 0, 3 * sizeof *offset);
     for (int k = 0; k < 4; k++)
@@ -74,7 +94,7 @@ static void set_contact(struct contact *c, int e, const struct hit *hit) {
     *to = (pdyn_contact){.key = contact_key(c, p),
                          .distance = hit->distance,
                          .thickness = p->thickness,
-                         .share = p->share};
+                         .share = share_of(c, p->key, p->point)};
     memcpy(s->point, p->point, sizeof s->point);
     memcpy(s->c, hit->c, sizeof s->c);
     for (int k = 0; k < 4; k++) {
@@ -130,6 +150,13 @@ static void set_shift(const struct contact *c, const struct stencil *s, double s
         vec3_add(shift, s->c[k], c->goal + 3 * (size_t)(s->point[k] - c->free));
         vec3_add(shift, -s->c[k], c->at + 3 * (size_t)s->point[k]);
     }
+}
+
+void contact_set_start_positions(struct contact *c) {
+    struct contact_list *list = &c->current;
+    memcpy(c->start_at, c->at, 3 * (size_t)c->points * sizeof *c->at);
+    for (int e = 0; e < list->view.count; e++)
+        list->contact[e].share = share_of(c, list->contact[e].key, list->stencil[e].point);
 }
 
 static void set_keys(struct contact_list *list) {

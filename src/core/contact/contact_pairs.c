@@ -29,26 +29,6 @@ static double distance_in(const struct pair *p, const double *x) {
     return sqrt(pair_kind_of(p->key)->closest(points, unused));
 }
 
-/* Squared sine of the angle below which edges are nearly parallel: 1.8 degrees. */
-static const double parallel = 1e-3;
-
-/* The share of its stiffness that a pair has: for edges the mollifier of Li et al. (2020), 0 where
- * they are parallel. There the closest points are not unique, and the moment of the force would
- * jump: a soft block whose edges lie along the diagonal of a plane had unsolved steps. A pair of a
- * vertex and a face has the same distance and carries the force. The directions are those at the
- * time at which the pair is listed. */
-static double share_of(const struct contact *c, const struct pair *p) {
-    const double *x[4];
-    double d[2][3], normal[3];
-    if (pair_kind_of(p->key) != &pair_edge_edge) return 1.0;
-    pair_load(p->point, c->broad.built, x);
-    for (int k = 0; k < 2; k++) vec3_subtract(d[k], x[2 * k + 1], x[2 * k]);
-    vec3_cross(normal, d[0], d[1]);
-    double squares = vec3_dot(d[0], d[0]) * vec3_dot(d[1], d[1]);
-    double t = vec3_dot(normal, normal) / (parallel * squares);
-    return t < 1.0 ? t * (2.0 - t) : 1.0;
-}
-
 /* Whether the pair is a particle of a fluid and a face that it passes. */
 static bool is_passed(const struct contact *c, const struct pair *p) {
     int a = p->point[0];
@@ -60,7 +40,7 @@ static bool is_passed(const struct contact *c, const struct pair *p) {
 static const double joined = 1e-2;
 
 /* Whether the pair can come closer than its thickness while its points are in their regions; sets
- * its distance, thickness and share. moved: how far the points were from there in `seen`. Within a
+ * its distance and thickness. moved: how far the points were from there in `seen`. Within a
  * body the thickness is less than the distance in the rest shape, so that the rest shape has no
  * contact forces; parts that are joined are no pair. */
 static bool close_enough(const struct contact *c, struct pair *p) {
@@ -72,7 +52,6 @@ static bool close_enough(const struct contact *c, struct pair *p) {
     double nearest = distance - pair_largest(p, c->broad.reach);
     if (nearest > p->thickness) return false;
     p->distance = distance - pair_largest(p, c->pairs.moved);
-    p->share = share_of(c, p);
     if (!same) return true;
     double rest = distance_in(p, c->rest);
     if (rest <= joined * p->thickness) return false;

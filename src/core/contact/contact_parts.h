@@ -16,8 +16,6 @@ struct pair {         /* two primitives that may come into contact */
     int point[4];     /* of the first primitive, then of the second */
     double thickness; /* m: of the scene, or less where the two are closer in the rest shape */
     double distance;  /* m: at `seen`, or less */
-    double share;     /* part of the stiffness (pdyn_contact), from the directions at the time when
-                         the pair was listed */
 };
 
 struct hit { /* a pair that is closer than its thickness */
@@ -131,6 +129,7 @@ struct contact {
     int *column;           /* free: particle of the system */
     double *rest;          /* points x 3, m: rest shapes */
     double *at;            /* points x 3, m: positions at the last local step */
+    double *start_at;      /* points x 3, m: positions at the beginning of the step */
     int faces, free_faces; /* those of surfaces are the first */
     int *face;             /* faces x 3: points */
     int edges, free_edges, edges_room;
@@ -209,6 +208,9 @@ pdyn_status common_motion_find(struct contact *contact);
 
 /* Sets the contacts at contact->at, from the list of pairs. */
 pdyn_status contact_find(struct contact *contact);
+
+/* contact->start_at = contact->at; the shares of the current contacts follow. */
+void contact_set_start_positions(struct contact *contact);
 
 /* Copies the current contacts, but for those of fluid particles, to those of the beginning. */
 pdyn_status contact_set_start(struct contact *contact);
