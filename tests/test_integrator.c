@@ -131,6 +131,30 @@ static void test_step_length(void **state) {
     assert_true(2.0 * inlet < 0.0101 && 2.0 * inlet > 0.0099);
 }
 
+/* A solid makes steps short and comes to rest: from eleven steps in a frame on, they grow until one
+ * fills a frame, and never to more than twice the length. */
+static void test_steps_grow_again(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, "{'duration': 9, 'frame_interval': 0.1, 'time_step': {'maximum': 0.1}, 'gravity': "
+                 "[0, 0, 0], 'bodies': [{'particles': {'radius': 0.01, 'fill': [{'box': "
+                 "{'minimum': [0, 0, 0], 'maximum': [0.04, 0.04, 0.04]}}]}, 'constraints': "
+                 "[{'type': 'fluid', 'stiffness': 1e-3}]}], 'solids': [{'sphere': {'center': [9, "
+                 "9, 9], 'radius': 0.1}, 'motion': [{'time': 0}, {'time': 0.1, 'translate': [0.11, "
+                 "0, 0]}]}]}");
+    double h = test_step(context, sim).h;
+    assert_true(fabs(h - 0.1 / 11) < 1e-9);
+    while (sim->time < 1.25) {
+        double before = h;
+        h = test_step(context, sim).h;
+        assert_true(h <= 2.001 * before);
+    }
+    assert_true(fabs(h - 0.1) < 1e-9);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* ---- order ----------------------------------------------------------------------------------- */
 
 /* end: position of a corner of a triangle on springs that rotates, oscillates and falls, after 0.8
@@ -342,7 +366,7 @@ int main(void) {
         cmocka_unit_test(test_fluid_viscosity), cmocka_unit_test(test_order),
         cmocka_unit_test(test_no_bounce),       cmocka_unit_test(test_held_sheet),
         cmocka_unit_test(test_caught_water),    cmocka_unit_test(test_splash),
-        cmocka_unit_test(test_thrown_up),
+        cmocka_unit_test(test_thrown_up),       cmocka_unit_test(test_steps_grow_again),
     };
     return cmocka_run_group_tests_name("integrator", tests, test_enter_directory,
                                        test_leave_directory);

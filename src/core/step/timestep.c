@@ -88,12 +88,24 @@ static double rearrangement_limit(const struct pdyn_sim *sim) {
     return limit;
 }
 
+double timestep_count(double time, double h) { return fmax(1.0, ceil(time / h * (1.0 - 1e-9))); }
+
+/* The longest step after the last one, s: longer by 10 %. Ten steps or fewer, longer by 10 %, are
+ * still as many in a frame: at its beginning a step may be so long that one fewer fills it. */
+static double grown(const struct pdyn_sim *sim) {
+    double interval = sim->scene.settings.frame_interval, last = sim->last_h;
+    double begun = sim->time - (double)sim->frame * interval, longer = 1.1 * last;
+    if (last == 0.0) return INFINITY;
+    if (begun > 0.5 * last) return longer;
+    return fmax(longer, interval / fmax(1.0, timestep_count(interval, last) - 1.0));
+}
+
 /* CFL condition (Weiler et al. 2016): no particle, solid and inlet travels more than `cfl` radii
  * per step, radii of its body. Pressure and contact with moving solids limit the step, too. The
- * step length may shrink at once and grows by at most 10 % per step. */
+ * step length may shrink at once and grows slowly. */
 static double adaptive(const struct pdyn_sim *sim) {
     const struct scene_settings *settings = &sim->scene.settings;
-    double h = sim->last_h > 0.0 ? fmin(settings->h_max, 1.1 * sim->last_h) : settings->h_max;
+    double h = fmin(settings->h_max, grown(sim));
     double end = sim->time + h;
     double others = fmax(kinematic_speed(&sim->kinematic, sim->time, end),
                          inlets_top_speed(sim, sim->time, end));
@@ -111,8 +123,6 @@ static double same_length(const struct pdyn_sim *sim, double h) {
 /* A step that a program has given may end just before a frame, by less than this part of the next
  * step: that frame is left out. */
 static const double least_rest = 1e-3;
-
-double timestep_count(double time, double h) { return fmax(1.0, ceil(time / h * (1.0 - 1e-9))); }
 
 /* Divides the time to the next frame into equal steps, which avoids a tiny last step. */
 struct step_end timestep_choose(const struct pdyn_sim *sim, double longest) {
