@@ -121,6 +121,38 @@ static void test_edge_over_edge(void **state) {
     pdyn_destroy(context);
 }
 
+/* Five nails of 10 cm fall onto a floor and each other, and turn fast: where a path stops within a
+ * turn, the rigid pose beside it is no closer than a path may lead. */
+static void test_turning_nails(void **state) {
+    (void)state;
+    char text[4096] = "{" STEPS_OF(
+        "0.005",
+        "[0, -9.81, 0]") ", 'contact': {'thickness': 0.0005}, 'solids': [{'plane': {'center': [0, "
+                         "0, 0], 'normal': [0, 1, 0], 'size': 4}}], 'bodies': [";
+    for (int k = 0; k < 5; k++) {
+        size_t used = strlen(text);
+        snprintf(text + used, sizeof text - used,
+                 "%s{'rigid': {'capsule': {'from': [-0.05, 0, 0], 'to': [0.05, 0, 0], 'radius': "
+                 "0.0015}, "
+                 "'translate': [%g, %g, 0], 'rotate': [%d, %d, %d], 'density': 7800}}",
+                 k ? ", " : "", 0.01 * k, 0.35 + 0.06 * k, 10 * k, 25 * k, 30 + 20 * k);
+    }
+    strcat(text, "]}");
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, text);
+    const pdyn_contacts *contacts = contact_current(sim->objective.contact);
+    double least = 1.0;
+    for (int n = 0; n < 80; n++) {
+        test_step(context, sim);
+        for (int e = 0; e < contacts->count; e++)
+            least = fmin(least, contacts->contact[e].distance / contacts->contact[e].thickness);
+    }
+    print_message("least distance: %g thicknesses\n", least);
+    assert_true(least > 0.999 * CONTACT_LEAST);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* The matrix of bodies in contact is H: its solve gives the motion back that a product begins with.
  */
 static void test_matrix(void **state) {
@@ -366,6 +398,7 @@ int main(void) {
         cmocka_unit_test(test_stack),
         cmocka_unit_test(test_light_under_heavy),
         cmocka_unit_test(test_edge_over_edge),
+        cmocka_unit_test(test_turning_nails),
         cmocka_unit_test(test_floor_of_triangles),
         cmocka_unit_test(test_spinning_ball_slides),
         cmocka_unit_test(test_bumper),

@@ -126,18 +126,22 @@ static void retract(void *arg, int first, int last, int block) {
     (void)block;
     const struct loop *c = arg;
     for (int k = first; k < last; k++) {
-        const struct rigid_body *b = &c->map->body[k];
+        struct rigid_body *b = &c->map->body[k];
         double A[9], R[9], centre[3];
         rigid_body_matrix(b, c->out, A);
-        if (is_rotation(A)) continue;
+        b->bent = !is_rotation(A);
+        if (!b->bent) continue;
         rigid_closest_rotation(A, R);
         rigid_body_centre(b, c->out, centre);
         rigid_body_place(b, centre, R, c->out);
     }
 }
 
-void rigid_map_retract(const struct rigid_map *map, double *x) {
+bool rigid_map_retract(const struct rigid_map *map, double *x) {
+    bool bent = false;
     for_bodies(map, retract, NULL, x);
+    for (int k = 0; k < map->bodies; k++) bent |= map->body[k].bent;
+    return bent;
 }
 
 static void update(void *arg, int first, int last, int block) {

@@ -26,6 +26,7 @@ struct rigid_body {
     double *arm;                   /* (vertices + 4) x 3, m: r at the last update */
     double inverse[9];  /* 1/m^2: of sum over points of |r|^2 I - r r', at the last update */
     double momentum[3]; /* kg m^2/s: angular momentum of the base of the step (rigid_bodies.h) */
+    bool bent;          /* was not rigid at the last retraction */
 };
 
 /* Particles of the system that the body has: its vertices, then its points. */
@@ -54,8 +55,9 @@ pdyn_status rigid_map_create(struct rigid_map *map, const double *rest, const do
 void rigid_map_free(struct rigid_map *map); /* NULL: nothing */
 
 /* Moves every body to the rigid pose with the same centre and the rotation closest to the affine
- * map of its points. Positions that are rigid already stay. x: particles x 3, m. */
-void rigid_map_retract(const struct rigid_map *map, double *x);
+ * map of its points. Positions that are rigid already stay: returns whether some are not. x:
+ * particles x 3, m. */
+bool rigid_map_retract(const struct rigid_map *map, double *x);
 
 /* The functions below refer to the positions x of the last update. */
 void rigid_map_update(struct rigid_map *map, const double *x);

@@ -37,8 +37,8 @@ double iterate_limit(const struct pdyn_sim *sim, double *moves) {
     return least;
 }
 
-void iterate_retract(const struct pdyn_sim *sim, double *x) {
-    if (sim->objective.rigid) rigid_map_retract(sim->objective.rigid, x);
+bool iterate_retract(const struct pdyn_sim *sim, double *x) {
+    return sim->objective.rigid && rigid_map_retract(sim->objective.rigid, x);
 }
 
 pdyn_status iterate_update_limits(struct pdyn_sim *sim, const double *x) {

@@ -12,8 +12,12 @@ pdyn_status iterate_update_limits(struct pdyn_sim *sim, const double *x);
  * Returns the smallest part of a displacement that is left. */
 double iterate_limit(const struct pdyn_sim *sim, double *moves);
 
-/* Makes the shapes of rigid bodies rigid at x. */
-void iterate_retract(const struct pdyn_sim *sim, double *x);
+/* Times that paths of rigid bodies are checked at most: each stop within a turn ends beside the
+ * path that was checked, by less than the one before. */
+enum { TURN_ROUNDS = 8 };
+
+/* Makes the shapes of rigid bodies rigid at x. Returns whether one was not. */
+bool iterate_retract(const struct pdyn_sim *sim, double *x);
 
 /* The trial and its gradient become the iterate and its gradient. */
 void iterate_accept_trial(struct pdyn_sim *sim);

@@ -14,12 +14,27 @@ struct rule {         /* conditions under which a step along the direction is ac
                          is positive; 0 disables. The last try need not satisfy it */
 };
 
-/* Displacements of rigid bodies from x_next become those to rigid positions. */
-static void rigid_moves(struct pdyn_sim *sim, double *moves) {
-    if (!sim->objective.rigid) return;
+/* Displacements of rigid bodies from x_next become those to rigid positions. Returns whether some
+ * were not. */
+static bool rigid_moves(struct pdyn_sim *sim, double *moves) {
+    if (!sim->objective.rigid) return false;
     objective_axpy(&sim->objective, 1.0, sim->x_next, moves);
-    iterate_retract(sim, moves);
+    bool bent = iterate_retract(sim, moves);
     objective_axpy(&sim->objective, -1.0, sim->x_next, moves);
+    return bent;
+}
+
+/* Stops every point of sim->trial, displacements from x_next, on its path. A rigid body that stops
+ * within a turn is put to the closest rigid pose, to which the path is checked again. */
+static pdyn_status stop_paths(struct pdyn_sim *sim, double *taken) {
+    pdyn_status status = PDYN_OK;
+    bool bent = sim->objective.contact;
+    for (int k = 0; status == PDYN_OK && bent && k < TURN_ROUNDS; k++) {
+        status = contact_filter(sim->objective.contact, sim->x_next, sim->trial);
+        *taken *= contact_least(sim->objective.contact);
+        bent = rigid_moves(sim, sim->trial) && contact_least(sim->objective.contact) < 1.0;
+    }
+    return status;
 }
 
 /* sim->trial = x_next + part x direction, every point stopped where its path ends. *least: the
@@ -32,10 +47,7 @@ static pdyn_status set_trial(struct pdyn_sim *sim, double part, double *least, d
     rigid_moves(sim, sim->trial);
     bool blocked = part > *least;
     double taken = blocked ? iterate_limit(sim, sim->trial) : 1.0;
-    if (blocked && objective->contact) {
-        status = contact_filter(objective->contact, sim->x_next, sim->trial);
-        taken *= contact_least(objective->contact);
-    }
+    if (blocked) status = stop_paths(sim, &taken);
     if (blocked) *least = part * taken;
     *slope = part > *least ? objective_dot(objective, sim->gradient, sim->trial) : part * *slope;
     objective_axpy(objective, 1.0, sim->x_next, sim->trial);

@@ -20,10 +20,26 @@ static void predict_with_acceleration(struct pdyn_sim *sim, double *x) {
     objective_axpy(&sim->objective, h_e * h_e, sim->constraint_acceleration, x);
 }
 
+/* Stops every point of x on its path from the state sim->x. A rigid body that stops within a turn
+ * is put to the closest rigid pose, to which the path is checked again. *least: the smallest part
+ * of its path that a point goes. */
+static pdyn_status stop_at_contact(struct pdyn_sim *sim, double *x, double *least) {
+    struct contact *contact = sim->objective.contact;
+    pdyn_status status = PDYN_OK;
+    bool bent = contact;
+    *least = 1.0;
+    for (int k = 0; status == PDYN_OK && bent && k < TURN_ROUNDS; k++) {
+        status = contact_filter_start(contact, sim->x, x);
+        *least *= contact_least(contact);
+        bent = iterate_retract(sim, x) && contact_least(contact) < 1.0;
+    }
+    return status;
+}
+
 /* Stops every point on its path from the state sim->x to x where surfaces are in its way. *least:
  * the smallest part of its path that a point goes. */
 static pdyn_status stop_paths(struct pdyn_sim *sim, double *x, double *least) {
-    struct contact *contact = sim->objective.contact;
+    double part;
     *least = 1.0;
     iterate_retract(sim, x);
     if (sim->max_step) {
@@ -31,9 +47,8 @@ static pdyn_status stop_paths(struct pdyn_sim *sim, double *x, double *least) {
         *least = iterate_limit(sim, x);
         objective_axpy(&sim->objective, 1.0, carried_x(sim), x);
     }
-    pdyn_status status = contact ? contact_filter_start(contact, sim->x, x) : PDYN_OK;
-    if (contact) *least = fmin(*least, contact_least(contact));
-    iterate_retract(sim, x);
+    pdyn_status status = stop_at_contact(sim, x, &part);
+    *least = fmin(*least, part);
     return status;
 }
 
