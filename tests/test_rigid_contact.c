@@ -153,6 +153,30 @@ static void test_turning_nails(void **state) {
     pdyn_destroy(context);
 }
 
+/* A needle of 0.6 m x 1 mm falls on a floor, whose friction turns it fast about its axis: its
+ * energy does not grow. */
+static void test_needle(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        "{" STEPS_OF("0.005",
+                     "[0, -9.81, 0]") ", 'contact': {'thickness': 0.002}, 'solids': [{'plane': "
+                                      "{'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 4}}], "
+                                      "'bodies': [{'rigid': {'box': {'minimum': [-0.3, -0.0005, "
+                                      "-0.0005], 'maximum': [0.3, 0.0005, 0.0005]}, 'rotate': [0, "
+                                      "20, 80], 'translate': [0, 0.4, 0], 'density': 7800}}]}");
+    double start = test_step(context, sim).potential_energy, highest = start;
+    for (int n = 0; n < 200; n++) {
+        pdyn_step_info info = test_step(context, sim);
+        highest = fmax(highest, info.kinetic_energy + info.potential_energy);
+    }
+    print_message("energy up to %g of that at the start\n", highest / start);
+    assert_true(highest < 1.02 * start);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* The matrix of bodies in contact is H: its solve gives the motion back that a product begins with.
  */
 static void test_matrix(void **state) {
@@ -399,6 +423,7 @@ int main(void) {
         cmocka_unit_test(test_light_under_heavy),
         cmocka_unit_test(test_edge_over_edge),
         cmocka_unit_test(test_turning_nails),
+        cmocka_unit_test(test_needle),
         cmocka_unit_test(test_floor_of_triangles),
         cmocka_unit_test(test_spinning_ball_slides),
         cmocka_unit_test(test_bumper),

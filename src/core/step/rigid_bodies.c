@@ -51,6 +51,11 @@ static void base_momentum(const struct pdyn_sim *sim, const struct rigid_body *b
     vec3_add(L, part, change);
 }
 
+/* rad: beyond this c (e - h_b I^-1 (L_n - L_(n-1))) is left out. It is a rotation of second order
+ * in the step, but an impact on a rod turns the rod about its axis by radians, which do not add up.
+ */
+static const double largest_correction = 0.1;
+
 /* R^, from R_n. */
 static void base_rotation(const struct pdyn_sim *sim, const struct rigid_body *body,
                           const double change[3], double R[9]) {
@@ -67,7 +72,7 @@ static void base_rotation(const struct pdyn_sim *sim, const struct rigid_body *b
     for (int a = 0; a < 3; a++) error[a] = part * (error[a] - sim->history * w[a]);
     angular_momentum(body, sim->x, sim->v, L);
     rotate_free(body, L, sim->objective.length - sim->objective.h, R);
-    rotation_turn(error, R);
+    if (vec3_length(error) <= largest_correction) rotation_turn(error, R);
 }
 
 /* s of the centre, and the angular momentum by the forces that a program applies, which act at x_n.
