@@ -106,7 +106,16 @@ static const char *const translations[][2] = {{"fps", "frame_interval"},
                                               {"stretch", "spring"},
                                               {"elastic", "tet"},
                                               {"water", "fluid"},
-                                              {"cylinder", "mesh"}};
+                                              {"cylinder", "mesh"},
+                                              {"adhesion", "contact_angle"},
+                                              {"adhesion", "surface_tension"},
+                                              {"cohesion", "surface_tension"},
+                                              {"hinge", "attachment"},
+                                              {"joint", "attachment"},
+                                              {"rope", "attachment"},
+                                              {"weld", "attachment"},
+                                              {"balloon", "gas"},
+                                              {"pressure", "gas"}};
 
 static const char *translate(const char *word, const char *const *names, int count) {
     for (size_t k = 0; k < sizeof translations / sizeof *translations; k++)
