@@ -49,6 +49,7 @@ static pdyn_status stop_paths(struct pdyn_sim *sim, double *x, double *least) {
     }
     pdyn_status status = stop_at_contact(sim, x, &part);
     *least = fmin(*least, part);
+    iterate_retract(sim, x);
     return status;
 }
 
