@@ -182,10 +182,15 @@ void batch_find_acceleration(struct batch *b, const struct velocity_change *chan
     if (change->rigid) rigid_map_extend(change->rigid, a);
 }
 
-/* The rate after the step is not known where boundary points take part. */
-static void forget_solids(double *after, int count, const pdyn_neighbours *lists, int first) {
-    for (int i = 0; i < count; i++)
-        if (lists->boundary_start[first + i] < lists->end[first + i]) after[i] = -INFINITY;
+/* The rate after the step is not known where boundary points may take part: where the particle of a
+ * constraint has some in its list, and for constraints that are no particle's. */
+static void forget_solids(double *after, int count, const pdyn_neighbours *lists,
+                          const pdyn_body *body) {
+    for (int i = 0; i < count; i++) {
+        int particle = body->first + i;
+        if (i >= body->count || lists->boundary_start[particle] < lists->end[particle])
+            after[i] = -INFINITY;
+    }
 }
 
 static int operator_impacts(struct batch *b, const struct velocity_change *change, double *force) {
@@ -195,7 +200,7 @@ static int operator_impacts(struct batch *b, const struct velocity_change *chang
     batch_rate(b, s->acts, change->acceleration, acceleration);
     batch_rate(b, s->acts, change->slowed, slowed);
     batch_rate(b, s->acts, change->after, after);
-    forget_solids(after, s->at.count, change->lists, b->view.body->first);
+    forget_solids(after, s->at.count, change->lists, b->view.body);
     struct rate_change rates = {.slowed = slowed,
                                 .after = after,
                                 .acceleration = acceleration,
