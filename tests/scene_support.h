@@ -32,7 +32,8 @@ extern struct counter counter;
 int scene_set_up(void **state);
 int scene_tear_down(void **state);
 
-void assert_message(const char *expected); /* an expected text that ends with '*' may continue */
+/* An expected text that ends with a star may continue; any may be followed by "; meaning: ...". */
+void assert_message(const char *expected);
 
 /* Reads a scene from a file (text NULL) or a text, with overrides. */
 pdyn_status read_scene(const char *name, const char *text, const char *const *set, int sets,

@@ -103,6 +103,10 @@ static const struct bad_scene bad_constraints[] = {
      "'box': " BOX "}]},\n 'constraints': [{'type': 'fluid',\n  'compression': 1e-9}]}]}",
      "scene.json:3:18: bodies[0].constraints[0].compression: expected a value that gives a "
      "stiffness of at most 1e+15 N/m"},
+    {FLUID("{'type': 'fluid', 'viscosity': 5}"),
+     "scene.json:3:49: bodies[0].constraints[0].viscosity: expected a number from 0 to 1, "
+     "found 5; meaning: fraction of the velocity difference to the neighbours that a step removes "
+     "(XSPH); the constraint \"viscosity\" has Pa s"},
     {FLUID("{'type': 'fluid', 'viscosity': true}"),
      "scene.json:3:49: bodies[0].constraints[0].viscosity: expected a number from 0 to 1, "
      "found true"},

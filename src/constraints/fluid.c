@@ -32,7 +32,8 @@ static const pdyn_param params[] = {
     {"sound_speed", PDYN_REAL, offsetof(struct fluid_params, sound_speed), false, 0, 1e-3, 1e6,
      "m/s", "speed of sound in the fluid; instead of compression"},
     {"viscosity", PDYN_REAL, offsetof(struct fluid_params, viscosity), false, 0.02, 0, 1, "1",
-     "fraction of the velocity difference to the neighbours that a step removes (XSPH)"},
+     "fraction of the velocity difference to the neighbours that a step removes (XSPH); the "
+     "constraint \"viscosity\" has Pa s"},
     {"damping", PDYN_REAL, offsetof(struct fluid_params, damping), false, -1, 0, 1e6, "s",
      "pressure = bulk modulus (compression + damping x its rate); by default the time in which "
      "sound crosses a cube of the fluid's volume, less the longest step, if at least two steps fit "

@@ -224,10 +224,16 @@ static pdyn_status read_other(const struct json_at *at, const pdyn_param *param,
     return name ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
+/* A number out of bounds is often meant for something else: the error says what the parameter is.
+ */
 static pdyn_status read_real(const struct json_at *at, const pdyn_param *param,
                              const struct scene_body *body, void *field) {
     (void)body;
-    return params_real(at, param->min, param->max, param->unit, field);
+    pdyn_status status = params_real(at, param->min, param->max, param->unit, field);
+    if (status == PDYN_OK || !json_is_number(at->value) || !*param->doc) return status;
+    char text[ERROR_LENGTH];
+    text_clip(text, sizeof text, pdyn_last_error(NULL));
+    return set_error(status, "%s; meaning: %s", text, param->doc);
 }
 
 static pdyn_status read_int(const struct json_at *at, const pdyn_param *param,
