@@ -102,7 +102,7 @@ MISTAKES = [
     Mistake("springs on cells that are not square", change(("bodies.1.surface.grid", {"size": [0.3, 0.6], "vertices": [9, 9]}), *SHEET_ONLY),
             'sheet: the cells of its grid are 0.0375 m x 0.075 m: "spring" has 0.33 times the stiffness that is given along the first side, and 2 times along the second [oblong]'),
     Mistake("places in the path of a pin", change(("bodies.1.constraints.2", {"type": "pin", "vertices": {"border": True}, "path": [[0, 1, 2, 3]]}), ("duration", 0.02),
-                                                ("solver", {"outer_iterations": 5})),
+                                                ("solver", {"outer_iterations": 5}), ("contact", None)),
             'sheet: the path of "pin" starts with (1, 2, 3) m', codes=(0, 0)),
     Mistake("rest density in g/cm^3", change(("bodies.0.particles.rest_density", 1)), "[density]"),
     Mistake("area density in g/m^2", change(("bodies.1.surface.area_density", 200)), "[density]"),
