@@ -41,6 +41,19 @@ bool iterate_retract(const struct pdyn_sim *sim, double *x) {
     return sim->objective.rigid && rigid_map_retract(sim->objective.rigid, x);
 }
 
+int iterate_most_rounds(const struct pdyn_sim *sim) {
+    return TURN_ROUNDS + (sim->objective.rigid ? sim->objective.rigid->bodies : 0);
+}
+
+void iterate_keep_bent(const struct pdyn_sim *sim, const double *from, double *x) {
+    const struct rigid_map *map = sim->objective.rigid;
+    for (int k = 0; k < map->bodies; k++) {
+        const struct rigid_body *body = &map->body[k];
+        int end = 3 * rigid_body_end(body);
+        for (int j = 3 * body->first; body->bent && j < end; j++) x[j] = from ? from[j] : 0.0;
+    }
+}
+
 pdyn_status iterate_update_limits(struct pdyn_sim *sim, const double *x) {
     return sim->max_step ? objective_limit(&sim->objective, x, sim->max_step) : PDYN_OK;
 }

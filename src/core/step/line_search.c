@@ -25,14 +25,19 @@ static bool rigid_moves(struct pdyn_sim *sim, double *moves) {
 }
 
 /* Stops every point of sim->trial, displacements from x_next, on its path. A rigid body that stops
- * within a turn is put to the closest rigid pose, to which the path is checked again. */
+ * within a turn is put to the closest rigid pose, to which the path is checked again; a body that
+ * still stops after TURN_ROUNDS of these checks does not move. */
 static pdyn_status stop_paths(struct pdyn_sim *sim, double *taken) {
+    struct contact *contact = sim->objective.contact;
     pdyn_status status = PDYN_OK;
-    bool bent = sim->objective.contact;
-    for (int k = 0; status == PDYN_OK && bent && k < TURN_ROUNDS; k++) {
-        status = contact_filter(sim->objective.contact, sim->x_next, sim->trial);
-        *taken *= contact_least(sim->objective.contact);
-        bent = rigid_moves(sim, sim->trial) && contact_least(sim->objective.contact) < 1.0;
+    bool bent = contact;
+    for (int k = 0; status == PDYN_OK && bent && k < iterate_most_rounds(sim); k++) {
+        status = contact_filter(contact, sim->x_next, sim->trial);
+        *taken *= contact_least(contact);
+        bent = rigid_moves(sim, sim->trial) && contact_least(contact) < 1.0;
+        if (!bent || k + 1 < TURN_ROUNDS) continue;
+        iterate_keep_bent(sim, NULL, sim->trial);
+        *taken = 0.0;
     }
     return status;
 }

@@ -20,18 +20,44 @@ static void predict_with_acceleration(struct pdyn_sim *sim, double *x) {
     objective_axpy(&sim->objective, h_e * h_e, sim->constraint_acceleration, x);
 }
 
+/* x = where the paths of particles to their first iterate begin: the state, with particles carried
+ * along by moving solids (carried.h), and bodies moved by their common displacement
+ * (contact/common_motion.c). */
+static void set_path_starts(const struct pdyn_sim *sim, double *x) {
+    const struct objective *objective = &sim->objective;
+    memcpy(x, carried_x(sim), objective_bytes(objective));
+    for (int b = 0; b < objective->bodies && objective->contact; b++) {
+        const struct objective_body *body = &objective->body[b];
+        const double *common = contact_common(objective->contact, b);
+        for (int i = body->first; i < body->first + body->count; i++)
+            vec3_add(x + 3 * i, 1.0, common);
+    }
+}
+
+/* Rigid bodies that were not rigid at the last retraction of x get the positions where their paths
+ * begin. */
+static void keep_bent_at_start(struct pdyn_sim *sim, double *x) {
+    double *starts = sim->rhs;
+    set_path_starts(sim, starts);
+    iterate_keep_bent(sim, starts, x);
+}
+
 /* Stops every point of x on its path from the state sim->x. A rigid body that stops within a turn
- * is put to the closest rigid pose, to which the path is checked again. *least: the smallest part
- * of its path that a point goes. */
+ * is put to the closest rigid pose, to which the path is checked again; a body that still stops
+ * after TURN_ROUNDS of these checks does not move. *least: the smallest part of its path that a
+ * point goes. */
 static pdyn_status stop_at_contact(struct pdyn_sim *sim, double *x, double *least) {
     struct contact *contact = sim->objective.contact;
     pdyn_status status = PDYN_OK;
     bool bent = contact;
     *least = 1.0;
-    for (int k = 0; status == PDYN_OK && bent && k < TURN_ROUNDS; k++) {
+    for (int k = 0; status == PDYN_OK && bent && k < iterate_most_rounds(sim); k++) {
         status = contact_filter_start(contact, sim->x, x);
         *least *= contact_least(contact);
         bent = iterate_retract(sim, x) && contact_least(contact) < 1.0;
+        if (!bent || k + 1 < TURN_ROUNDS) continue;
+        keep_bent_at_start(sim, x);
+        *least = 0.0;
     }
     return status;
 }
@@ -58,20 +84,6 @@ static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *energy, dou
     double unused;
     pdyn_status status = stop_paths(sim, x, &unused);
     return status == PDYN_OK ? objective_local(&sim->objective, x, energy, gradient) : status;
-}
-
-/* x = where the paths of particles to their first iterate begin: the state, with particles carried
- * along by moving solids (carried.h), and bodies moved by their common displacement
- * (contact/common_motion.c). */
-static void set_path_starts(const struct pdyn_sim *sim, double *x) {
-    const struct objective *objective = &sim->objective;
-    memcpy(x, carried_x(sim), objective_bytes(objective));
-    for (int b = 0; b < objective->bodies && objective->contact; b++) {
-        const struct objective_body *body = &objective->body[b];
-        const double *common = contact_common(objective->contact, b);
-        for (int i = body->first; i < body->first + body->count; i++)
-            vec3_add(x + 3 * i, 1.0, common);
-    }
 }
 
 /* The local step at a part of the way from where paths begin to s; pushed particles go the whole
