@@ -10,6 +10,7 @@
 #include "projdyn/vec3.h"
 
 #include <string.h>
+#include <time.h>
 
 static const double d = 0.1; /* particle spacing, m */
 
@@ -167,6 +168,30 @@ static void test_fan(void **state) {
     check_areas(&(struct mesh){RIM + 1, vertex, RIM, triangle});
 }
 
+static pdyn_status sample_sliver(const double vertex[9], double spacing) {
+    int triangle[] = {0, 1, 2};
+    const struct mesh mesh = {3, (double *)vertex, 1, triangle};
+    pdyn_context *context = test_context(1);
+    struct surface_points points = {0};
+    pdyn_status status = sample_triangles(context, "sliver", &mesh, spacing, &points);
+    surface_points_free(context, &points);
+    pdyn_destroy(context);
+    return status;
+}
+
+/* A triangle of 1000 km x 1 mm, and one where the middle of a side is rounded to its end: refused,
+ * at once. */
+static void test_huge_slivers(void **state) {
+    (void)state;
+    const double far = 1e12, near = 1e12 + 0x1p-13; /* the next number */
+    clock_t start = clock();
+    assert_int_equal(sample_sliver((const double[]){0, 0, 0, 1e6, 0, 0, 1e6, 0, 1e-3}, 0.01),
+                     PDYN_BAD_INPUT);
+    assert_int_not_equal(sample_sliver((const double[]){far, 0, 0, near, 0, 0, far, 1e-6, 0}, 1e-5),
+                         PDYN_OK);
+    assert_true((double)(clock() - start) < 10.0 * CLOCKS_PER_SEC);
+}
+
 /* The cost of a ribbon is that of its area and sides, and its points cover it. */
 static void test_ribbon(void **state) {
     (void)state;
@@ -309,10 +334,10 @@ static void test_displaced(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernel),        cmocka_unit_test(test_areas),
-        cmocka_unit_test(test_fan),           cmocka_unit_test(test_ribbon),
-        cmocka_unit_test(test_large_surface), cmocka_unit_test(test_lattice),
-        cmocka_unit_test(test_displaced),
+        cmocka_unit_test(test_kernel),  cmocka_unit_test(test_areas),
+        cmocka_unit_test(test_fan),     cmocka_unit_test(test_huge_slivers),
+        cmocka_unit_test(test_ribbon),  cmocka_unit_test(test_large_surface),
+        cmocka_unit_test(test_lattice), cmocka_unit_test(test_displaced),
     };
     return cmocka_run_group_tests_name("interface", tests, NULL, NULL);
 }

@@ -36,12 +36,18 @@ void surface_point_position(const struct surface_point *point, const struct mesh
 struct part {
     double corner[3][3]; /* m */
     double weight[3][3]; /* barycentric coordinates of the corners */
+    int halvings;        /* that made it from the triangle */
 };
 
-typedef void part_fn(void *arg, const struct part *part, double cuts);
+/* Returns whether to go on with the next part. */
+typedef bool part_fn(void *arg, const struct part *part, double cuts);
 
 static const double long_side = 4.0; /* longest side over height of a long part */
 static const double few_cuts = 8.0;  /* parts with so few are not halved */
+/* Two halvings halve the longest side: a triangle that needs more has too many candidates. Without
+ * an end, halving would go on for ever where coordinates are so large that the middle of a side is
+ * rounded to one of its ends. */
+enum { MOST_HALVINGS = 64 };
 
 static double count_lattice(double cuts) { return 0.5 * (cuts + 1.0) * (cuts + 2.0); }
 
@@ -53,45 +59,55 @@ static void move_corner(struct part *part, int k, int l) {
     }
 }
 
-/* Calls fn for the part, or for the parts that a long one is cut into. */
-static void for_parts(const struct part *part, double spacing, part_fn *fn, void *arg) {
+static bool is_long(const struct part *part, double longest, double cuts) {
+    double normal[3];
+    vec3_normal(normal, part->corner[0], part->corner[1], part->corner[2]);
+    return cuts > few_cuts && part->halvings < MOST_HALVINGS &&
+           longest * longest > long_side * vec3_length(normal);
+}
+
+/* Calls fn for the part, or for the parts that a long one is cut into, until it returns false.
+ * Returns false then. */
+static bool for_parts(const struct part *part, double spacing, part_fn *fn, void *arg) {
     int apex = 0; /* opposite to the longest side */
-    double longest = 0.0, normal[3];
+    double longest = 0.0;
     for (int k = 0; k < 3; k++) {
         double side = vec3_distance(part->corner[(k + 1) % 3], part->corner[(k + 2) % 3]);
         if (side > longest) longest = side, apex = k;
     }
     double cuts = fmax(1.0, ceil(longest / (0.25 * spacing)));
-    vec3_normal(normal, part->corner[0], part->corner[1], part->corner[2]);
-    if (!(cuts > few_cuts && longest * longest > long_side * vec3_length(normal))) {
-        fn(arg, part, cuts);
-        return;
-    }
+    if (!is_long(part, longest, cuts)) return fn(arg, part, cuts);
     for (int k = 1; k <= 2; k++) {
         struct part half = *part;
+        half.halvings++;
         move_corner(&half, (apex + k) % 3, (apex + 3 - k) % 3);
-        for_parts(&half, spacing, fn, arg);
+        if (!for_parts(&half, spacing, fn, arg)) return false;
     }
+    return true;
 }
 
-static void for_parts_of(const struct mesh *mesh, int triangle, double spacing, part_fn *fn,
+static bool for_parts_of(const struct mesh *mesh, int triangle, double spacing, part_fn *fn,
                          void *arg) {
     struct part part = {.weight = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}};
     const double *c[3];
     mesh_corners(mesh, triangle, c);
     for (int k = 0; k < 3; k++) memcpy(part.corner[k], c[k], sizeof part.corner[k]);
-    for_parts(&part, spacing, fn, arg);
+    return for_parts(&part, spacing, fn, arg);
 }
 
-static void count_part(void *arg, const struct part *part, double cuts) {
+static bool count_part(void *arg, const struct part *part, double cuts) {
+    double *count = arg;
     (void)part;
-    *(double *)arg += count_lattice(cuts);
+    *count += count_lattice(cuts);
+    return *count <= SURFACE_CANDIDATES;
 }
 
-static double count_all(const struct mesh *mesh, double spacing) {
+/* Whether the surface has at most SURFACE_CANDIDATES. */
+static bool has_few_candidates(const struct mesh *mesh, double spacing) {
     double count = 0.0;
-    for (int t = 0; t < mesh->triangles; t++) for_parts_of(mesh, t, spacing, count_part, &count);
-    return count;
+    for (int t = 0; t < mesh->triangles; t++)
+        if (!for_parts_of(mesh, t, spacing, count_part, &count)) return false;
+    return true;
 }
 
 /* ---- selection ------------------------------------------------------------------------------- */
@@ -129,7 +145,7 @@ static void offer(struct selection *s, const double weight[3]) {
 }
 
 /* Offers the corners of a lattice. */
-static void offer_part(void *arg, const struct part *part, double cuts) {
+static bool offer_part(void *arg, const struct part *part, double cuts) {
     for (double i = 0; i <= cuts; i++)
         for (double j = 0; i + j <= cuts; j++) {
             double weight[3] = {0};
@@ -138,18 +154,18 @@ static void offer_part(void *arg, const struct part *part, double cuts) {
             vec3_add(weight, j / cuts, part->weight[2]);
             offer(arg, weight);
         }
+    return true;
 }
 
 /* Refuses a surface that would take too long. */
 static pdyn_status check_size(const char *name, const struct mesh *mesh, double spacing) {
-    double count = count_all(mesh, spacing);
-    if (count <= SURFACE_CANDIDATES) return PDYN_OK;
+    if (has_few_candidates(mesh, spacing)) return PDYN_OK;
     return set_error(PDYN_BAD_INPUT,
                      "the surface of \"%s\" has %.3g m^2, too many for samples %g m apart "
-                     "(%.3g points to choose from, at most %d): if its mesh is not in metres, "
+                     "(above %d points to choose from): if its mesh is not in metres, "
                      "give it a \"scale\"; else make it no larger than fluid reaches, or the "
                      "particles larger",
-                     name, mesh_area(mesh), spacing, count, SURFACE_CANDIDATES);
+                     name, mesh_area(mesh), spacing, SURFACE_CANDIDATES);
 }
 
 /* Selects from the candidates of all triangles. */
@@ -188,7 +204,7 @@ static void share(struct sharing *s, const double *at, double area) {
 }
 
 /* The cells of a lattice are triangles of equal area. */
-static void share_part(void *arg, const struct part *part, double cuts) {
+static bool share_part(void *arg, const struct part *part, double cuts) {
     double u[3], v[3], normal[3];
     vec3_normal(normal, part->corner[0], part->corner[1], part->corner[2]);
     vec3_subtract(u, part->corner[1], part->corner[0]);
@@ -203,6 +219,7 @@ static void share_part(void *arg, const struct part *part, double cuts) {
                 vec3_add(at, (j + third / 3.0) / cuts, v);
                 share(arg, at, area / (cuts * cuts));
             }
+    return true;
 }
 
 /* Computes the areas of all points. A place of the surface has a point within 1.1 spacing. */
