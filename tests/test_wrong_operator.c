@@ -144,6 +144,27 @@ static void test_good(void **state) {
     assert_true(is_reported(good, NULL));
 }
 
+/* Constraints of pairs have numbers beyond those of particles, where no array of particles may be
+ * read (address sanitizer): a pile of grains falls on a floor and stays on it. */
+static void test_pairs(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    assert_int_equal(pdyn_register(context, &pdyn_plugin_table), PDYN_OK);
+    pdyn_sim *sim = test_load(
+        context, "{'duration': 1, 'time_step': {'fixed': 0.005}, 'boundary': 'points', 'bodies': "
+                 "[{'particles': {'radius': 0.02, 'rest_density': 2000, 'fill': [{'box': "
+                 "{'minimum': [-0.1, 0.02, -0.1], 'maximum': [0.1, 0.18, 0.1]}}]}, 'velocity': [0, "
+                 "-1, 0], 'constraints': [{'type': 'grains'}]}], 'solids': [{'box': {'minimum': "
+                 "[-0.4, 0, -0.4], 'maximum': [0.4, 1, 0.4]}, 'open': ['+y']}]}");
+    int impacts = 0;
+    for (int n = 0; n < 20; n++) impacts += (int)test_step(context, sim).impacts;
+    const pdyn_state s = pdyn_get_state(sim);
+    assert_true(impacts > 0);
+    for (int i = 0; i < s.particles; i++) assert_true(s.x[3 * i + 1] > 0.0);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 #define WRONG(callback, wrong, text)                                                               \
     op = good, op.neighbours = neighbours, op.callback = wrong, missed += !is_reported(op, text)
 
@@ -172,6 +193,7 @@ static void test_wrong(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_good), cmocka_unit_test(test_wrong)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_good), cmocka_unit_test(test_pairs),
+                                       cmocka_unit_test(test_wrong)};
     return cmocka_run_group_tests_name("wrong operator", tests, set_up, NULL);
 }

@@ -188,8 +188,8 @@ static void forget_solids(double *after, int count, const pdyn_neighbours *lists
                           const pdyn_body *body) {
     for (int i = 0; i < count; i++) {
         int particle = body->first + i;
-        if (i >= body->count || lists->boundary_start[particle] < lists->end[particle])
-            after[i] = -INFINITY;
+        bool known = i < body->count && lists->boundary_start[particle] == lists->end[particle];
+        if (!known) after[i] = -INFINITY;
     }
 }
 
