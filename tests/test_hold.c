@@ -50,6 +50,25 @@ static void test_holds(void **state) {
     hold_and_release(PINNED(SOLVER("cg", "newton"), "1000"));
 }
 
+/* A sheet of 1 kg that is let go falls at once: its velocity is that of the time since then. */
+static void test_released_sheet(void **state) {
+    (void)state;
+    pdyn_sim *sim = test_load(
+        context, "{'duration': 9, 'frame_interval': 0.1, 'time_step': {'fixed': 0.01}, 'bodies': "
+                 "[{'surface': {'grid': {'size': [1, 1], 'vertices': [2, 2]}, 'rotate': [90, 0, "
+                 "0], 'area_density': 1}, 'constraints': [{'type': 'spring', "
+                 "'stretching_stiffness': 100}]}]}");
+    const pdyn_state at = pdyn_get_state(sim);
+    for (int i = 0; i < 4; i++) good(pdyn_hold(sim, i, 1e4, at.x + 3 * i));
+    take_steps(sim, 100);
+    for (int i = 0; i < 4; i++) good(pdyn_release(sim, i));
+    for (int n = 1; n <= 20; n++) {
+        take_steps(sim, 1);
+        assert_true(fabs(at.v[1] + 0.0981 * n) < 2e-3);
+    }
+    pdyn_free(sim);
+}
+
 /* In a fluid, and beside one. */
 static void test_hold_in_water(void **state) {
     (void)state;
@@ -160,9 +179,9 @@ static void test_wrong_holds(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_holds),        cmocka_unit_test(test_hold_in_water),
-        cmocka_unit_test(test_hold_removed), cmocka_unit_test(test_restored_holds),
-        cmocka_unit_test(test_wrong_holds),
+        cmocka_unit_test(test_holds),          cmocka_unit_test(test_released_sheet),
+        cmocka_unit_test(test_hold_in_water),  cmocka_unit_test(test_hold_removed),
+        cmocka_unit_test(test_restored_holds), cmocka_unit_test(test_wrong_holds),
     };
     return cmocka_run_group_tests_name("hold", tests, control_set_up, control_tear_down);
 }

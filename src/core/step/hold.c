@@ -176,11 +176,12 @@ pdyn_status pdyn_hold(pdyn_sim *sim, int particle, double stiffness, const doubl
     pdyn_status status = check_hold(sim, particle, stiffness, target);
     if (status != PDYN_OK) return status;
     struct hold *h = find_hold(sim, particle);
-    bool same = h && h->stiffness == stiffness && !h->released;
+    bool acts = h && !h->released, same = acts && h->stiffness == stiffness;
     if (!h && !(h = add_hold(sim))) return PDYN_NO_MEMORY;
     sim->control.hold_of[particle] = (int)(h - sim->control.hold) + 1;
     sim->control.driven = true;
     sim->control.stale |= !same;
+    if (!acts) sim->history = 0.0; /* as in pdyn_enable */
     *h = (struct hold){.particle = particle, .stiffness = stiffness};
     memcpy(h->target, target, sizeof h->target);
     return PDYN_OK;
@@ -195,6 +196,8 @@ pdyn_status pdyn_release(pdyn_sim *sim, int particle) {
     if (HAS_NULL(sim) || BAD_INDEX(particle, sim->objective.particles) ||
         control_refuses(__func__, sim))
         return PDYN_BAD_CALL;
+    const struct hold *h = find_hold(sim, particle);
+    if (h && !h->released) sim->history = 0.0; /* as in pdyn_enable */
     holds_leave(sim, particle);
     return PDYN_OK;
 }
