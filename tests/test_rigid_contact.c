@@ -154,33 +154,57 @@ static void test_turning_nails(void **state) {
 }
 
 /* A number from -size / 2 to size / 2. */
-static int scattered(int k, int factor, int size) { return factor * (k + 29) % size - size / 2; }
+static int scattered(int k, int factor, int size) { return factor * k % size - size / 2; }
 
-/* Nine bars of 0.3 m turn by up to a radian in a step and hit each other: where the path of a bar
- * stops again and again, the bar does not move. */
-static void test_turning_bars(void **state) {
-    (void)state;
-    char text[8192] = "{" STEPS_OF("0.02", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.001, "
-                                                            "'friction': 0.3}, 'bodies': [";
-    for (int k = 0; k < 9; k++) {
+/* Bars of 0.3 m that turn by up to a radian in a step and hit each other do not intersect. seed: of
+ * their directions and motions; scene: up to the list of its bodies. */
+static void turn_bars(const char *scene, int count, int seed, double low) {
+    char text[8192];
+    snprintf(text, sizeof text, "%s", scene);
+    for (int n = 0; n < count; n++) {
         size_t used = strlen(text);
+        int k = n + seed;
         snprintf(text + used, sizeof text - used,
                  "%s{'rigid': {'box': {'minimum': [-0.15, -0.002, -0.01], 'maximum': [0.15, 0.002, "
                  "0.01]}, 'translate': [%g, %g, %g], 'rotate': [%d, 0, %d], 'density': 2000, "
-                 "'angular_velocity': [%d, %d, %d]}}",
-                 k ? ", " : "", 0.2 * (k % 3), 0.13 * (k / 3), 0.03 * (k % 3), scattered(k, 37, 41),
-                 scattered(k, 53, 41), scattered(k, 29, 101), scattered(k, 47, 101),
-                 scattered(k, 61, 101));
+                 "'angular_velocity': [%d, %d, %d]}, 'velocity': [0, %g, 0]}",
+                 n ? ", " : "", 0.2 * (n % 3), low + 0.13 * (n / 3), 0.03 * (n % 3),
+                 scattered(k, 37, 41), scattered(k, 53, 41), scattered(k, 29, 101),
+                 scattered(k, 47, 101), scattered(k, 61, 101), low > 0.0 ? -4.0 : 0.0);
     }
     strcat(text, "]}");
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, text);
-    for (int n = 0; n < 12; n++) {
+    for (int n = 0; n < 10; n++) {
         test_step(context, sim);
         assert_int_equal(contact_check(sim->objective.contact), PDYN_OK);
     }
     pdyn_free(sim);
     pdyn_destroy(context);
+}
+
+/* Where the path of a bar stops again and again, the bar does not move. */
+static void test_turning_bars(void **state) {
+    (void)state;
+    turn_bars("{" STEPS_OF("0.02", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.001, 'friction': "
+                                                    "0.3}, 'bodies': [",
+              9, 29, 0.0);
+}
+
+/* Beside water, whose particles limit displacements: a turn may stop there, too. */
+static void test_turning_bars_in_water(void **state) {
+    (void)state;
+    turn_bars(
+        "{" STEPS_OF(
+            "0.01",
+            "[0, -9.81, 0]") ", 'contact': {'thickness': 0.001, 'friction': "
+                             "0.3}, 'solids': [{'box': {'minimum': [-0.2, 0, -0.12], 'maximum': "
+                             "[0.6, 1.5, "
+                             "0.12]}, 'open': ['+y']}], 'bodies': [{'particles': {'radius': 0.015, "
+                             "'rest_density': 1000, 'fill': [{'box': {'minimum': [-0.2, 0, -0.12], "
+                             "'maximum': "
+                             "[0.6, 0.12, 0.12]}}]}, 'constraints': [{'type': 'fluid'}]}, ",
+        6, 6, 0.25);
 }
 
 /* A needle of 0.6 m x 1 mm falls on a floor, whose friction turns it fast about its axis: its
@@ -454,6 +478,7 @@ int main(void) {
         cmocka_unit_test(test_edge_over_edge),
         cmocka_unit_test(test_turning_nails),
         cmocka_unit_test(test_turning_bars),
+        cmocka_unit_test(test_turning_bars_in_water),
         cmocka_unit_test(test_needle),
         cmocka_unit_test(test_floor_of_triangles),
         cmocka_unit_test(test_spinning_ball_slides),

@@ -25,8 +25,8 @@ static bool rigid_moves(struct pdyn_sim *sim, double *moves) {
 }
 
 /* Stops every point of sim->trial, displacements from x_next, on its path. A rigid body that stops
- * within a turn is put to the closest rigid pose, to which the path is checked again; a body that
- * still stops after TURN_ROUNDS of these checks does not move. */
+ * within a turn, here or by iterate_limit, is put to the closest rigid pose, to which the path is
+ * checked again; a body that still stops after TURN_ROUNDS of these checks does not move. */
 static pdyn_status stop_paths(struct pdyn_sim *sim, double *taken) {
     struct contact *contact = sim->objective.contact;
     pdyn_status status = PDYN_OK;
@@ -34,7 +34,7 @@ static pdyn_status stop_paths(struct pdyn_sim *sim, double *taken) {
     for (int k = 0; status == PDYN_OK && bent && k < iterate_most_rounds(sim); k++) {
         status = contact_filter(contact, sim->x_next, sim->trial);
         *taken *= contact_least(contact);
-        bent = rigid_moves(sim, sim->trial) && contact_least(contact) < 1.0;
+        bent = rigid_moves(sim, sim->trial) && (k == 0 || contact_least(contact) < 1.0);
         if (!bent || k + 1 < TURN_ROUNDS) continue;
         iterate_keep_bent(sim, NULL, sim->trial);
         *taken = 0.0;

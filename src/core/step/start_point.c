@@ -42,10 +42,10 @@ static void keep_bent_at_start(struct pdyn_sim *sim, double *x) {
     iterate_keep_bent(sim, starts, x);
 }
 
-/* Stops every point of x on its path from the state sim->x. A rigid body that stops within a turn
- * is put to the closest rigid pose, to which the path is checked again; a body that still stops
- * after TURN_ROUNDS of these checks does not move. *least: the smallest part of its path that a
- * point goes. */
+/* Stops every point of x on its path from the state sim->x. A rigid body that stops within a turn,
+ * here or by iterate_limit, is put to the closest rigid pose, to which the path is checked again; a
+ * body that still stops after TURN_ROUNDS of these checks does not move. *least: the smallest part
+ * of its path that a point goes. */
 static pdyn_status stop_at_contact(struct pdyn_sim *sim, double *x, double *least) {
     struct contact *contact = sim->objective.contact;
     pdyn_status status = PDYN_OK;
@@ -54,7 +54,7 @@ static pdyn_status stop_at_contact(struct pdyn_sim *sim, double *x, double *leas
     for (int k = 0; status == PDYN_OK && bent && k < iterate_most_rounds(sim); k++) {
         status = contact_filter_start(contact, sim->x, x);
         *least *= contact_least(contact);
-        bent = iterate_retract(sim, x) && contact_least(contact) < 1.0;
+        bent = iterate_retract(sim, x) && (k == 0 || contact_least(contact) < 1.0);
         if (!bent || k + 1 < TURN_ROUNDS) continue;
         keep_bent_at_start(sim, x);
         *least = 0.0;
