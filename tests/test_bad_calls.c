@@ -276,7 +276,7 @@ static void observe(void *user, const pdyn_iteration *iteration) {
     size_t size;
     ++*calls;
     assert_non_null(iteration->x);
-#define CHECK(call) check(call, #call, "within a step an observer may read the simulation alone");
+#define CHECK(call) check(call, #call, "within a step an observer may only read the simulation");
     CHANGES(CHECK)
     WITHIN(CHECK)
 #undef CHECK

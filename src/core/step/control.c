@@ -18,7 +18,7 @@
 #include <string.h>
 
 bool control_is_in_step(const char *function, const struct pdyn_sim *sim) {
-    if (sim->in_step) bad_call(function, "within a step an observer may read the simulation alone");
+    if (sim->in_step) bad_call(function, "within a step an observer may only read the simulation");
     return sim->in_step;
 }
 

@@ -18,7 +18,7 @@ struct control {
     int batches;              /* number of these */
 };
 
-/* Whether a step is being computed, where an observer may read the simulation alone: a bad call of
+/* Whether a step is being computed, where an observer may only read the simulation: a bad call of
  * the function. */
 bool control_is_in_step(const char *function, const struct pdyn_sim *sim);
 

@@ -245,7 +245,7 @@ pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled) {
     switch_batches(sim, constraint, !enabled);
     sim->control.driven |= enabled; /* a constraint that ends takes its energy, which is not
                                        negative, out of the scene */
-    sim->history = 0.0; /* forces jump: the accelerations of the step before do not go on */
+    sim->history = 0.0; /* forces jump: BDF2 would continue the accelerations of the step before */
     return refresh(sim, constraint);
 }
 
