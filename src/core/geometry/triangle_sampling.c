@@ -22,8 +22,7 @@ void surface_point_position(const struct surface_point *point, const struct mesh
                point->weight[2] * (c[2][a] - c[0][a]);
 }
 
-/* ---- parts of triangles -----------------------------------------------------------------------
- */
+/* ---- parts of triangles ---------------------------------------------------------------------- */
 
 /* A part of a triangle. A lattice cuts its sides into equal pieces, at most a quarter spacing long.
  * A long part, whose lattice would be much finer across than along, is halved across its longest

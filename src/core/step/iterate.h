@@ -13,9 +13,7 @@ pdyn_status iterate_update_limits(struct pdyn_sim *sim, const double *x);
 double iterate_limit(const struct pdyn_sim *sim, double *moves);
 
 /* Times that paths of rigid bodies are checked before a body whose path stops again does not move:
- * each stop within a turn ends beside the path that was checked, mostly by less than the one
- * before.
- */
+ * each stop within a turn ends beside the path that was checked, mostly nearer than the last. */
 enum { TURN_ROUNDS = 8 };
 /* The same, until all bodies have stopped. */
 int iterate_most_rounds(const struct pdyn_sim *sim);
