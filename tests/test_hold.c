@@ -50,7 +50,7 @@ static void test_holds(void **state) {
     hold_and_release(PINNED(SOLVER("cg", "newton"), "1000"));
 }
 
-/* A sheet of 1 kg that is let go falls at once: its velocity is that of the time since then. */
+/* A held sheet of 1 kg falls from its release on: its speed is g times the time since then. */
 static void test_released_sheet(void **state) {
     (void)state;
     pdyn_sim *sim = test_load(

@@ -88,8 +88,10 @@ static void update_tree(struct bvh *tree, const struct box *box, const bool *cha
     if (refit) bvh_refit(tree, box, changed);
 }
 
-/* Trees are built again where all points have new regions, or as many since the last time. A refit
- * says what has changed; after a build alone, all has. */
+/* Builds the trees again when all points have new regions, or when as many regions as there are
+ * points are new since the last build. Otherwise, and after a build for the second reason, a refit
+ * marks the nodes with changed boxes, and the search leaves out pairs of unmarked nodes. A tree
+ * that is only built counts as changed everywhere. */
 static void update_trees(struct contact *c) {
     struct broad_phase *b = &c->broad;
     const struct box *point = b->point_box, *face = b->face_box, *edge = b->edge_box;
