@@ -324,6 +324,11 @@ int run_open_with_report(struct run *run) {
                      run->directory);
 }
 
+bool run_is_z_up(const struct run *run) {
+    const char *up = json_string_value(json_object_get(run->report, "up"));
+    return up && !strcmp(up, "z");
+}
+
 void run_close(struct run *run) {
     for (int p = 0; p < run->parts; p++) {
         struct part *part = &run->part[p];

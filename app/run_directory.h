@@ -78,6 +78,8 @@ int run_open(struct run *run);
 /* The same, and refuses a run with neither report.json nor files.json, whose kinds of bodies and
  * radii of particles are unknown. */
 int run_open_with_report(struct run *run);
+/* Whether z is up in the scene; without a report y is. */
+bool run_is_z_up(const struct run *run);
 void run_close(struct run *run);
 /* Reads the list of frames FOLDER/NAME.vtk.series of a part, which the caller frees (part->series);
  * a part at rest has the file NAME.vtk. Part of run_open. */

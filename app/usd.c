@@ -276,10 +276,11 @@ static int put_stage(struct stage *stage) {
     fprintf(
         stage->file,
         "#usda 1.0\n(\n    defaultPrim = \"run\"\n    doc = \"projdyn %s\"\n"
-        "    metersPerUnit = 1\n    upAxis = \"Y\"\n    startTimeCode = 0\n"
+        "    metersPerUnit = 1\n    upAxis = \"%s\"\n    startTimeCode = 0\n"
         "    endTimeCode = %.10g\n    timeCodesPerSecond = %.10g\n    framesPerSecond = %.10g\n)\n"
         "\ndef Xform \"run\"\n{",
-        pdyn_version(), time_code(stage, first, last), stage->rate, stage->rate);
+        pdyn_version(), run_is_z_up(run) ? "Z" : "Y", time_code(stage, first, last), stage->rate,
+        stage->rate);
     for (int p = 0; p < run->parts && code == EXIT_GOOD; p++) code = put_part(stage, &run->part[p]);
     if (code == EXIT_GOOD) put_materials(stage);
     fputs("}\n", stage->file);

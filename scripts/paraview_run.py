@@ -10,7 +10,7 @@ import pathlib
 import sys
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "blender/projdyn"))
-from run_directory import RunError, read_run  # noqa: E402
+from run_directory import RunError, is_z_up, read_run  # noqa: E402
 
 PALETTE = ((0.84, 0.37, 0.18), (0.22, 0.45, 0.70), (0.85, 0.65, 0.25), (0.30, 0.58, 0.40))
 
@@ -55,7 +55,7 @@ def show(part, number, view, simple):
 def main():
     options = arguments()
     try:
-        parts = read_run(options.directory.resolve())
+        parts, z_up = read_run(options.directory.resolve()), is_z_up(options.directory)
     except RunError as error:
         sys.exit(str(error))
     from paraview import simple
@@ -66,7 +66,8 @@ def main():
         show(part, number, view, simple)
     simple.GetAnimationScene().UpdateAnimationUsingDataTimeSteps()
     simple.GetAnimationScene().GoToLast()
-    view.CameraPosition, view.CameraFocalPoint = (0.5, 0.5, 1), (0, 0, 0)
+    view.CameraFocalPoint = (0, 0, 0)
+    view.CameraPosition, view.CameraViewUp = ((0.5, -1, 0.5), (0, 0, 1)) if z_up else ((0.5, 0.5, 1), (0, 1, 0))
     simple.ResetCamera(view)
     state = options.directory / "run.pvsm"
     simple.SaveState(str(state))

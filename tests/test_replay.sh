@@ -193,6 +193,19 @@ EOF
 "$projdyn" render "$folder/studio" -o "$folder/above.png" --size 480x300 --view "camera=0,80,0.6,0.5,0,0" >/dev/null
 "$python" "$here/studio_light.py" "$folder/studio.png" "$folder/above.png"
 
+# A scene with z up looks like the same scene with y up, ground, light and shadows included.
+upright() { # NAME GRAVITY MINIMUM MAXIMUM OPEN CENTER
+    cat >"$folder/$1.json" <<EOF
+{"duration": 0.01, "gravity": [$2], "solids": [{"name": "tank", "box": {"minimum": [$3], "maximum": [$4]}, "open": ["$5"]}],
+ "bodies": [{"name": "ball", "rigid": {"sphere": {"center": [$6], "radius": 0.1}, "density": 500}}]}
+EOF
+    "$projdyn" run "$folder/$1.json" -o "$folder/$1" --quiet 2>/dev/null
+    "$projdyn" render "$folder/$1" -o "$folder/$1.png" --size 240x150 --frame 0 >/dev/null
+}
+upright y_up "0, -9.81, 0" "-0.4, 0, -0.2" "0.4, 0.5, 0.3" +y "0.2, 0.1, 0.1"
+upright z_up "0, 0, -9.81" "-0.4, -0.3, 0" "0.4, 0.2, 0.5" +z "0.2, -0.1, 0.1"
+"$python" "$here/same_picture.py" "$folder/y_up.png" "$folder/z_up.png"
+
 # The camera over time; a turntable begins with the view and goes on to its far side.
 "$python" "$here/camera_path.py" "$folder/replay.html"
 small() { # NAME OPTIONS...

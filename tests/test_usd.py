@@ -112,6 +112,12 @@ class Usd(unittest.TestCase):
         self.assertEqual((head["upAxis"], head["metersPerUnit"], head["endTimeCode"]), ('"Y"', "1", "2"))
         self.assertAlmostEqual(float(head["timeCodesPerSecond"]), 1 / (self.times[1] - self.times[0]))
 
+    def test_z_up(self):
+        (self.directory / "z_up.json").write_text(json.dumps({**SCENE, "gravity": [0, 0, -9.81]}))
+        self.program("run", "z_up.json", "-o", "z_up", "--time", "0.01", "--quiet")
+        self.program("usd", "z_up")
+        self.assertEqual(self.stage("z_up/run.usda")[0]["upAxis"], '"Z"')
+
     def test_uneven_times(self):
         """Frames at any times, as a program writes them: the last one ends the stage."""
         run = self.directory / "uneven"

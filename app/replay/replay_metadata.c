@@ -77,9 +77,9 @@ json_t *replay_metadata(const struct run *run) {
     json_t *times = json_array();
     for (int f = 0; f < run->frames; f++)
         json_array_append_new(times, json_real(part_time(&run->part[0], f)));
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:O?, s:O*, s:o}", "about", facts_to_json(run),
-                     "times", times, "bodies", parts_to_json(run, BODY), "solids",
-                     parts_to_json(run, SOLID), "boundary", parts_to_json(run, BOUNDARY),
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:O?, s:O*, s:O*, s:o}", "about",
+                     facts_to_json(run), "times", times, "bodies", parts_to_json(run, BODY),
+                     "solids", parts_to_json(run, SOLID), "boundary", parts_to_json(run, BOUNDARY),
                      "warnings", warnings_to_json(run), "metrics", run->metrics, "live", run->live,
-                     "strings", replay_strings(run));
+                     "up", json_object_get(run->report, "up"), "strings", replay_strings(run));
 }

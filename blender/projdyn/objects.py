@@ -2,7 +2,7 @@
 
 An object keeps the path of its series as a custom property. update_objects() loads the file of
 the scene's current frame into its mesh: frame 0 is the start of the run, and one frame of Blender
-is one frame of the run. projdyn has y up, Blender z."""
+is one frame of the run. Blender has z up: what has y up, as most scenes, is turned."""
 import functools
 import os
 import pathlib
@@ -11,16 +11,17 @@ import bpy
 import numpy as np
 
 from .materials import material_of
-from .run_directory import frame_interval, nearest, read_run, read_series
+from .run_directory import frame_interval, is_z_up, nearest, read_run, read_series
 from .uv import read_uv
 from .vtk_legacy import read_frame
 
-SERIES, INTERVAL = "projdyn_series", "projdyn_interval"  # custom properties of an object
+# custom properties of an object
+SERIES, INTERVAL, Z_UP = "projdyn_series", "projdyn_interval", "projdyn_z_up"
 ATTRIBUTES = {"velocity", "density", "pressure"}  # Blender computes normals from the triangles
 
 
-def z_up(vectors):
-    """(x, y, z) -> (x, -z, y), n x 3."""
+def turn(vectors):
+    """From y up to z up: (x, y, z) -> (x, -z, y), n x 3."""
     return np.ascontiguousarray(vectors[:, (0, 2, 1)] * np.array((1, -1, 1), np.float32))
 
 
@@ -60,12 +61,12 @@ def rebuild(mesh, frame):
 
 
 def set_attribute(mesh, name, values):
-    """A point attribute: velocity in m/s and z up, or a number."""
+    """A point attribute: velocity in m/s, or a number."""
     vectors = values.ndim == 2
     kind = "FLOAT_VECTOR" if vectors else "FLOAT"
     attribute = mesh.attributes.get(name) or mesh.attributes.new(name, kind, "POINT")
     attribute.data.foreach_set("vector" if vectors else "value",
-                               (z_up(values) if vectors else values).ravel())
+                               values.ravel())
 
 
 def show_frame(mesh, frame):
@@ -73,14 +74,14 @@ def show_frame(mesh, frame):
     if not same_triangles(mesh, frame):
         rebuild(mesh, frame)
         mesh.polygons.foreach_set("use_smooth", np.ones(len(frame.triangles), bool))
-    mesh.vertices.foreach_set("co", z_up(frame.points).ravel())
+    mesh.vertices.foreach_set("co", frame.points.ravel())
     for name in ATTRIBUTES & frame.arrays.keys():
         set_attribute(mesh, name, frame.arrays[name])
     mesh.update(calc_edges=True)
 
 
-def read_at(frames, time):
-    """The frame of a series at a time. A moving solid has no velocity in its files: differences of
+def read_at(frames, time, z_up):
+    """The frame of a series at a time, with z up; z_up: in its file, too. A moving solid has no velocity in its files: differences of
     the frames before and after give it."""
     k = nearest(frames, time)
     frame = read_frame(frames[k][1])
@@ -88,6 +89,10 @@ def read_at(frames, time):
     if "velocity" not in frame.arrays and after[0] > before[0]:
         moved = read_frame(after[1]).points - read_frame(before[1]).points
         frame.arrays["velocity"] = moved / np.float32(after[0] - before[0])
+    if not z_up:
+        frame.points = turn(frame.points)
+        if "velocity" in frame.arrays:
+            frame.arrays["velocity"] = turn(frame.arrays["velocity"])
     return frame
 
 
@@ -96,7 +101,8 @@ def update_objects(scene):
     for item in scene.objects:
         if SERIES in item:
             time = scene.frame_current * item[INTERVAL]
-            show_frame(item.data, read_at(series_of(item[SERIES]), time))
+            frame = read_at(series_of(item[SERIES]), time, item.get(Z_UP, False))
+            show_frame(item.data, frame)
 
 
 # ---- particles -------------------------------------------------------------------------------
@@ -163,9 +169,9 @@ def set_time(scene, interval, frames):
 def import_run(scene, directory, use_mesh):
     """Adds a collection with the objects of a run. RunError, FileError: nothing is added."""
     directory = pathlib.Path(os.path.abspath(directory))
-    parts = read_run(directory, use_mesh)
+    parts, z_up = read_run(directory, use_mesh), is_z_up(directory)
     series = [read_series(part.file) for part in parts]
-    first = [read_at(frames, 0) for frames in series]
+    first = [read_at(frames, 0, z_up) for frames in series]
     uvs = [part.uv and read_uv(part.uv, frame.triangles) for part, frame in zip(parts, first)]
     longest = max(series, key=len)
     interval = frame_interval(longest)
@@ -175,7 +181,7 @@ def import_run(scene, directory, use_mesh):
         item = add_part(collection, part, frame, uv, coloured)
         coloured += part.role in ("cloth", "soft")
         if part.file.suffix == ".series":
-            item[SERIES], item[INTERVAL] = str(part.file), interval
+            item[SERIES], item[INTERVAL], item[Z_UP] = str(part.file), interval, z_up
     scene.collection.children.link(collection)
     set_time(scene, interval, len(longest))
     scene.frame_set(0)

@@ -1,6 +1,6 @@
 """The contents of a run directory: what `projdyn run` and `projdyn mesh` wrote.
 
-    report.json          bodies, their constraints, solids
+    report.json          bodies, their constraints, solids, the axis that is up
     BODY.vtk.series      names and times of the frames of a body
     BODY.obj             texture coordinates of a surface
     mesh/BODY.vtk.series surface of a fluid or skin of a body, if `projdyn mesh` was run
@@ -78,6 +78,11 @@ def bodies(directory, report, use_mesh):
             yield Part(name, "water", mesh, color=color)
         else:
             yield Part(name, "particles" if fluid else "grains", file, body["radius_m"], color=color)
+
+
+def is_z_up(directory):
+    """Whether z is up in the scene of a run; else y is."""
+    return read_json(pathlib.Path(directory) / "report.json").get("up") == "z"
 
 
 def read_run(directory, use_mesh=True):

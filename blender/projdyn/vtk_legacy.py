@@ -19,7 +19,7 @@ class FileError(Exception):
 
 @dataclass
 class Frame:
-    """Points of a body at one time, in the axes of the file (y up)."""
+    """Points of a body at one time, in the axes of the file."""
     points: np.ndarray  # m, n x 3
     triangles: np.ndarray  # corners, t x 3; t = 0 for particles
     arrays: dict = field(default_factory=dict)  # name -> n, or n x 3

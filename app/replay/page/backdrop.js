@@ -13,7 +13,7 @@ out vec2 away;
 out vec3 at;
 void main() {
   away = 2.0 * vec2(gl_VertexID & 1, gl_VertexID >> 1) - 1.0;
-  at = centre + reach * vec3(away.x, 0, away.y);
+  at = centre + reach * (away.x * vec3(1, 0, 0) + away.y * groundAxis);
   gl_Position = projection * view * vec4(at, 1);
 }`,
   groundFragment: `
@@ -22,7 +22,7 @@ in vec3 at;
 uniform float spacing;
 out vec4 result;
 float lines(float step) {
-  vec2 p = at.xz / step, width = fwidth(p);
+  vec2 p = vec2(at.x, dot(at, groundAxis)) / step, width = fwidth(p);
   vec2 d = abs(fract(p - 0.5) - 0.5) / width;
   return (1.0 - min(1.0, min(d.x, d.y))) * (1.0 - smoothstep(0.12, 0.4, max(width.x, width.y)));
 }
@@ -35,8 +35,7 @@ vec3 groundLight(vec3 n) {
 }
 void main() {
   float distance = length(away), grid = max(0.05 * lines(spacing), 0.085 * lines(5.0 * spacing));
-  vec3 up = vec3(0, 1, 0);
-  vec3 colour = 0.66 * (1.4 * skyLight(at, up) + 0.93 * groundLight(up) * lamp.y);
+  vec3 colour = 0.66 * (1.4 * skyLight(at, up) + 0.93 * groundLight(up) * dot(lamp, up));
   grid *= 1.0 - smoothstep(0.15, 0.6, distance);
   result = vec4(encode(colour) * (1.0 - grid), 1.0 - smoothstep(0.3, 1.0, distance));
 }`,
@@ -54,14 +53,14 @@ class Backdrop {
     this.back = compile(gl, commonText, windowVertex, backdropText.fragment);
     this.ground = compile(gl, lightText, backdropText.groundVertex, backdropText.groundFragment);
     this.own = {
-      centre: [camera.centre[0], 0, camera.centre[2]], reach: 9 * camera.radius,
+      centre: camera.centre.slice(), reach: 9 * camera.radius,
       spacing: roundSpacing(0.16 * camera.radius),
     };
     this.place(ground);
   }
   /* Moves the ground to a height, m. */
   place(height) {
-    this.height = this.own.centre[1] = height;
+    this.height = this.own.centre[vertical] = height;
   }
   drawBackground(values) {
     if (settings.background === "white") {
@@ -76,7 +75,7 @@ class Backdrop {
   /* After all that is opaque; nothing is drawn for an eye below the ground, or before white. */
   drawGround(values) {
     const gl = this.gl;
-    if (values.eye[1] <= this.height || settings.background === "white") return;
+    if (values.eye[vertical] <= this.height || settings.background === "white") return;
     use(gl, this.ground, { ...values, ...this.own });
     gl.bindVertexArray(null);
     gl.enable(gl.BLEND);

@@ -3,6 +3,10 @@ const $ = (id) => document.getElementById(id);
 const meta = JSON.parse($("meta").textContent);
 const frameCount = () => meta.times.length; /* grows in a live view */
 const lastFrame = () => frameCount() - 1;
+/* Index of the axis that points up, y or z. */
+const vertical = meta.up === "z" ? 2 : 1;
+/* A vector given with y up, in the axes of the scene: turned about x where z is up. */
+const fromYUp = ([x, y, z]) => vertical === 2 ? [x, -z, y] : [x, y, z];
 const allParts = () => [...meta.bodies, ...meta.solids, ...meta.boundary];
 
 function element(parent, tag, properties = {}) {

@@ -5,7 +5,8 @@ const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a
 /* Axes of a view whose direction has the angles yaw (around the vertical) and pitch (above the horizontal). */
 function viewAxes(yaw, pitch) {
   const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
-  return { right: [cy, 0, -sy], up: [-sy * sp, cp, -cy * sp], back: [sy * cp, sp, cy * cp] };
+  const axes = { right: [cy, 0, -sy], up: [-sy * sp, cp, -cy * sp], back: [sy * cp, sp, cy * cp] };
+  return Object.fromEntries(Object.entries(axes).map(([name, axis]) => [name, fromYUp(axis)]));
 }
 
 /* View matrix, column-major. */
@@ -26,7 +27,7 @@ class Camera {
   }
   /* The first view: slightly from above, towards the longer side. */
   reset() {
-    const [wide, , deep] = this.bounds.map(([a, b]) => b - a);
+    const size = this.bounds.map(([a, b]) => b - a), [wide, deep] = [size[0], size[3 - vertical]];
     this.target = this.centre.slice();
     this.yaw = wide >= 0.7 * deep ? 0.48 : Math.PI / 2 - 0.48;
     this.pitch = this.first;

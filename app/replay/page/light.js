@@ -29,6 +29,8 @@ vec3 mapColour(sampler2D map, float place) {
 }
 `;
 
+const glslVector = (v) => `vec3(${v.join(", ")})`;
+
 /* GLSL of lit materials. Colours are linear light. */
 const lightText = commonText + `
 uniform vec3 lamp;      /* lamp: unit vector towards it */
@@ -37,6 +39,8 @@ uniform float texel;    /* of the shadow map of what is opaque, m */
 uniform float soft;     /* 0: few samples of the shadow maps, for speed */
 uniform sampler2DShadow shadowMap, waterMap, skyMap;
 uniform vec3 absorbed[3], scattered[3]; /* of three liquids, per length "clear" of water.js */
+const vec3 up = ${glslVector(fromYUp([0, 1, 0]))}, groundAxis = ${glslVector(fromYUp([0, 0, 1]))}; /* the ground has the axes x and groundAxis */
+const vec3 softBox = normalize(${glslVector(fromYUp([-0.55, 0.7, -0.45]))});
 const vec3 lampColour = vec3(1.16, 1.11, 1.04);
 float unshaded(sampler2DShadow map, vec3 q) {
   float sum = texture(map, q), step = 1.3 / float(textureSize(map, 0).x);
@@ -65,11 +69,11 @@ vec3 lampLight(vec3 p, vec3 n) {
   return lampColour * unshaded(shadowMap, q) * mix(liquidShade(), vec3(1), unshaded(waterMap, q));
 }
 /* Light of the whole sky, and of the floor, on a surface with the normal n */
-vec3 openSky(vec3 n) { return mix(vec3(0.15, 0.135, 0.125), vec3(0.33, 0.37, 0.43), 0.5 + 0.5 * n.y); }
+vec3 openSky(vec3 n) { return mix(vec3(0.15, 0.135, 0.125), vec3(0.33, 0.37, 0.43), 0.5 + 0.5 * dot(n, up)); }
 /* The same at a point: bodies and solids hide as much of the sky as they cover of a cone of 45 degrees above the point. */
 vec3 skyLight(vec3 p, vec3 n) {
   const int samples = 32;
-  vec3 q = (skyView * vec4(p + 8.0 * texel * n + vec3(0, 8.0 * texel, 0), 1)).xyz;
+  vec3 q = (skyView * vec4(p + 8.0 * texel * n + 8.0 * texel * up, 1)).xyz;
   float sum = 0.0;
   if (soft == 0.0) return 0.85 * openSky(n);
   for (int k = 0; k < samples; k++) {
@@ -80,9 +84,9 @@ vec3 skyLight(vec3 p, vec3 n) {
 }
 /* Light from a direction: floor, horizon, sky, and a large soft box overhead. */
 vec3 environment(vec3 d) {
-  vec3 sky = mix(vec3(0.62, 0.67, 0.72), vec3(0.24, 0.38, 0.56), smoothstep(0.0, 0.75, d.y));
-  float box = smoothstep(0.74, 0.86, dot(d, normalize(vec3(-0.55, 0.7, -0.45))));
-  return mix(vec3(0.42, 0.41, 0.40), sky + 1.1 * box, smoothstep(-0.12, 0.08, d.y));
+  vec3 sky = mix(vec3(0.62, 0.67, 0.72), vec3(0.24, 0.38, 0.56), smoothstep(0.0, 0.75, dot(d, up)));
+  float box = smoothstep(0.74, 0.86, dot(d, softBox));
+  return mix(vec3(0.42, 0.41, 0.40), sky + 1.1 * box, smoothstep(-0.12, 0.08, dot(d, up)));
 }
 float fresnel(float cosine) {
   float rest = 1.0 - clamp(cosine, 0.0, 1.0);
@@ -95,7 +99,8 @@ vec3 matt(vec3 colour, vec3 light, vec3 p, vec3 n, vec3 toEye) {
 }
 `;
 
-const lamp = (() => {
+/* Unit vector towards the lamp, with y up. */
+const lampYUp = (() => {
   const d = [0.5, 0.78, 0.38], length = Math.hypot(...d);
   return d.map((v) => v / length);
 })();
@@ -112,7 +117,7 @@ class Shadows {
       gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_COMPARE_MODE, gl.COMPARE_REF_TO_TEXTURE);
     }
     this.reach = 1.3 * camera.radius;
-    this.lamp = this.aim(camera.centre, viewAxes(Math.atan2(lamp[0], lamp[2]), Math.asin(lamp[1])));
+    this.lamp = this.aim(camera.centre, viewAxes(Math.atan2(lampYUp[0], lampYUp[2]), Math.asin(lampYUp[1])));
     this.sky = this.aim(camera.centre, viewAxes(0, Math.PI / 2));
   }
   /* View and projection of a map, and world to its texture coordinates. */
@@ -126,7 +131,7 @@ class Shadows {
   /* Values of the uniforms of lightText. size: of the maps, pixels */
   values(size) {
     return {
-      lamp, texel: 2 * this.reach / size, lampView: this.lamp.inMap, skyView: this.sky.inMap,
+      lamp: fromYUp(lampYUp), texel: 2 * this.reach / size, lampView: this.lamp.inMap, skyView: this.sky.inMap,
       shadowMap: this.opaque.depth, waterMap: this.water.depth, skyMap: this.above.depth,
     };
   }

@@ -133,7 +133,7 @@ class LivePlayer extends Player {
   }
   /* What depends on all frames of a replay: ends of the colour maps, the height of the ground. */
   adapt() {
-    const last = lastFrame(), lowest = Math.min(...movingParts().map((part) => part.points[last] ? part.boxes[last][0][1] : Infinity));
+    const last = lastFrame(), lowest = Math.min(...movingParts().map((part) => part.points[last] ? part.boxes[last][0][vertical] : Infinity));
     this.lowest = Math.min(this.lowest, lowest);
     renderer.backdrop.place(this.lowest - 0.002 * renderer.camera.radius);
     for (const name of new Set([fluidChannel(), settings.surface])) {

@@ -24,8 +24,8 @@ function measureChannel(bodies, channel, frames) {
 function coordinateRange(body, f, k, floor) {
   const x = body.x[f], step = Math.max(1, Math.floor(body.points[f] / 2000)), values = [];
   const [low, high] = boxOf(body, f), rest = body.triangles ? 0 : 0.01;
-  const least = body.triangles ? 0 : 65535 * (floor - low[1]) / (high[1] - low[1] || 1);
-  for (let i = 0; i < body.points[f]; i += step) if (x[3 * i + 1] >= least) values.push(x[3 * i + k]);
+  const least = body.triangles ? 0 : 65535 * (floor - low[vertical]) / (high[vertical] - low[vertical] || 1);
+  for (let i = 0; i < body.points[f]; i += step) if (x[3 * i + vertical] >= least) values.push(x[3 * i + k]);
   if (!values.length) return [Infinity, -Infinity];
   values.sort((a, b) => a - b);
   const place = (part) => values[Math.round(part * (values.length - 1))] / 65535;
@@ -63,8 +63,9 @@ function markLeavers() {
 /* Height below which particles have fallen out of the scene: half its height at the start below all solids and
  * surfaces. */
 function floorOfView() {
-  const tops = meta.bodies.map((body) => coordinateRange(body, 0, 1, -Infinity)[1]), firm = firmBounds();
-  const low = Math.min(...firm.map(([, [a]]) => a)), high = Math.max(...tops, ...firm.map(([, [, b]]) => b));
+  const tops = meta.bodies.map((body) => coordinateRange(body, 0, vertical, -Infinity)[1]), firm = firmBounds();
+  const low = Math.min(...firm.map((bounds) => bounds[vertical][0]));
+  const high = Math.max(...tops, ...firm.map((bounds) => bounds[vertical][1]));
   return firm.length ? low - 0.5 * (high - low) : -Infinity;
 }
 
@@ -96,8 +97,8 @@ function measureBounds() {
 
 /* Extends the bounds down to the ground unless it is far below (0.7 times their largest side). */
 function includeGround(bounds, ground) {
-  const [low, high] = bounds[1], span = Math.max(...bounds.map(([a, b]) => b - a));
-  if (low - ground < 0.7 * span) bounds[1] = [ground, high];
+  const [low, high] = bounds[vertical], span = Math.max(...bounds.map(([a, b]) => b - a));
+  if (low - ground < 0.7 * span) bounds[vertical] = [ground, high];
   return bounds;
 }
 
@@ -112,7 +113,7 @@ const firmBounds = () => [...solidParts(), ...meta.bodies.filter((body) => body.
  * single ones that have left a tank would let it float above the ground. m */
 function groundHeight(bounds) {
   const floor = floorOfView(), firm = firmBounds(), parts = firm.length ? firm : meta.bodies.map(boundsOf);
-  return Math.min(bounds[1][0], ...parts.map(([, [low]]) => Math.max(floor, low)));
+  return Math.min(bounds[vertical][0], ...parts.map((part) => Math.max(floor, part[vertical][0])));
 }
 
 /* Bounds of a live view, whose later frames are not known: those of the first frame, with solids that are not much
@@ -122,6 +123,6 @@ function guessBounds(bounds) {
   const least = 0.6 * (Math.max(...bounds.map(([a, b]) => b - a)) || 1);
   return bounds.map(([a, b], k) => {
     const more = Math.max(0, least - (b - a));
-    return k === 1 ? [a - more, b] : [a - more / 2, b + more / 2];
+    return k === vertical ? [a - more, b] : [a - more / 2, b + more / 2];
   });
 }

@@ -207,9 +207,10 @@ static double peak_rss_bytes(void) {
 }
 
 static json_t *describe_scene(const struct report *report, const pdyn_sim *sim) {
-    return json_pack("{s:s, s:o, s:o, s:i, s:o, s:o, s:o, s:o, s:{s:s, s:s, s:o, s:I}}", "version",
-                     pdyn_version(), "scene", text(sim->context, sim->scene.file), "name",
-                     text(sim->context, sim->scene.name), "threads",
+    return json_pack("{s:s, s:o, s:o, s:s, s:i, s:o, s:o, s:o, s:o, s:{s:s, s:s, s:o, s:I}}",
+                     "version", pdyn_version(), "scene", text(sim->context, sim->scene.file),
+                     "name", text(sim->context, sim->scene.name), "up",
+                     sim->scene.settings.z_up ? "z" : "y", "threads",
                      pdyn_thread_count(sim->context), "particles", particles(report, sim), "bodies",
                      bodies(report, sim), "constraints", constraints(sim), "parameters",
                      parameters(sim), "solver", "type", pdyn_solver_type(sim), "step",

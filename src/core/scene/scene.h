@@ -182,6 +182,7 @@ struct integrator;
 struct scene_settings { /* "time_step", "solver" and general values of a scene */
     double gravity[3];  /* m/s^2; with keys the largest one, until a simulation has started */
     struct scene_keyed gravity_keys;
+    bool z_up;             /* gravity points mostly along -z: up in pictures */
     double duration;       /* s */
     double frame_interval; /* s */
     double h_fixed;        /* s; 0: adaptive by the CFL condition */

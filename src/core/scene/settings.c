@@ -8,6 +8,7 @@
 
 #include "projdyn/vec3.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -66,6 +67,8 @@ static pdyn_status read_gravity(const struct json_at *at, struct scene_settings 
     return status;
 }
 
+static bool points_along_minus_z(const double g[3]) { return -g[2] > fmax(fabs(g[0]), fabs(g[1])); }
+
 static pdyn_status read_general(struct reader *r, const struct json_at *root) {
     struct scene_settings *settings = &r->scene->settings;
     struct json_at name = json_member(root, "name"), gravity = json_member(root, "gravity");
@@ -75,7 +78,9 @@ static pdyn_status read_general(struct reader *r, const struct json_at *root) {
     r->scene->name = context_copy_text(r->context, name.value ? json_string_value(name.value) : "");
     if (!r->scene->name) return PDYN_NO_MEMORY;
     pdyn_status status = params_read(root, settings_general_params, NULL, settings);
-    return status == PDYN_OK ? read_gravity(&gravity, settings) : status;
+    if (status == PDYN_OK) status = read_gravity(&gravity, settings);
+    settings->z_up = points_along_minus_z(settings->gravity);
+    return status;
 }
 
 /* Reads the alternative named at `key` of an object; default: the first one. */
