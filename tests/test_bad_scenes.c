@@ -69,8 +69,9 @@ static const struct bad_scene bad_scenes[] = {
      "scene.json:2:32: time_step: \"cfl\" has no meaning beside \"fixed\""},
     {TOP("'time_step': {'fixed': 0}"),
      "scene.json:2:25: time_step.fixed: expected a number from 1e-09 to 1000 s, found 0"},
-    {TOP("'time_step': {'max': 0.1}"), "scene.json:2:16: time_step: unknown key \"max\"; known: "
-                                       "integrator, maximum, minimum, cfl, fixed"},
+    {TOP("'time_step': {'max': 0.1}"),
+     "scene.json:2:16: time_step: unknown key \"max\"; did you mean \"maximum\"?; known: "
+     "integrator, maximum, minimum, cfl, fixed"},
     {TOP("'solver': {'type': 'hybird'}"),
      "scene.json:2:21: solver.type: unknown solver \"hybird\"; did you mean "
      "\"hybrid\"?; known: auto, *"},
@@ -173,11 +174,11 @@ static const struct {
     {"bodies.water.viscosity=1",
      "--set bodies.water.viscosity=1: bodies[0]: unknown key \"viscosity\"; did you mean "
      "\"constraints\"?; known: *"},
-    {"bodies.7.velocity=[0, 0, 1]",
-     "--set bodies.7.velocity=[0, 0, 1]: no element \"7\"; known: 0 (water), 1 (sheet)"},
+    {"bodies.7.velocity=[0, 0, 1]", "--set bodies.7.velocity=[0, 0, 1]: no element \"7\"; known: 0 "
+                                    "(water), 1 (sheet); to add one, set the whole array"},
     {"bodies.sheet.constraints.pin.stiffness=1",
      "--set bodies.sheet.constraints.pin.stiffness=1: no element \"pin\"; known: 0 "
-     "(spring)"},
+     "(spring); to add one, set the whole array"},
     {"bodies.sheet.constraints.spring.stretching_stiffness=\"2\"",
      "--set bodies.sheet.constraints.spring.stretching_stiffness=\"2\": "
      "bodies[1].constraints[0].stretching_stiffness: expected a number from 0 to 1e+12 "
@@ -185,8 +186,8 @@ static const struct {
     {"bodies.0.particles.radius=true",
      "--set bodies.0.particles.radius=true: bodies[0].particles.radius: expected a number "
      "from 1e-06 to 1000 m, found true"},
-    {"bodies.water.particles.fill.1.box=1",
-     "--set bodies.water.particles.fill.1.box=1: no element \"1\"; known: 0"},
+    {"bodies.water.particles.fill.1.box=1", "--set bodies.water.particles.fill.1.box=1: no element "
+                                            "\"1\"; known: 0; to add one, set the whole array"},
     {"bodies.water.particles.fill.0.box.maximum.1=-1",
      "--set bodies.water.particles.fill.0.box.maximum.1=-1: "
      "bodies[0].particles.fill[0].box.maximum[1]: expected a number above the minimum, 0 "

@@ -179,6 +179,17 @@ pdyn_status json_wrap(const struct json_at *at, pdyn_status status) {
     return status;
 }
 
+void json_note(const struct json_at *at, const char *format, ...) {
+    char place[PLACE] = "", path[256] = "", message[256];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    append_place(at, false, place, sizeof place);
+    append_path(at, path, sizeof path);
+    context_log(at->file->context, PDYN_LOG_INFO, "%s%s: %s", place, path, message);
+}
+
 /* ---- locations ------------------------------------------------------------------------------- */
 
 struct json_at json_root(const struct json_file *file) {

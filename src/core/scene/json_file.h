@@ -78,5 +78,7 @@ pdyn_status json_expected(const struct json_at *at, const char *what);
 /* Prepends position and path to the error text of another function; returns `status`. PDYN_OK and
  * PDYN_NO_MEMORY: does nothing. */
 pdyn_status json_wrap(const struct json_at *at, pdyn_status status);
+/* A note, which is no error: logs "FILE:LINE:COLUMN: PATH: MESSAGE". */
+void json_note(const struct json_at *at, const char *format, ...) PDYN_PRINTF(2, 3);
 
 #endif

@@ -59,7 +59,9 @@ static bool element_is(const json_t *element, size_t index, const char *key) {
     return !strcmp(number, key);
 }
 
-static pdyn_status fail_element(const struct edit *e, const json_t *array, const char *key) {
+/* advice: the end of the message where no element has a similar name, or "". */
+static pdyn_status fail_element(const struct edit *e, const json_t *array, const char *key,
+                                const char *advice) {
     char hint[512] = "", clipped[VALUE];
     const char *names[KEYS];
     int count = 0;
@@ -74,7 +76,8 @@ static pdyn_status fail_element(const struct edit *e, const json_t *array, const
     const char *nearest = text_closest(key, names, count);
     text_clip(clipped, sizeof clipped, key);
     if (!nearest)
-        return fail(e, "no element \"%s\"%s", clipped, *hint ? hint : "; the array is empty");
+        return fail(e, "no element \"%s\"%s%s", clipped, *hint ? hint : "; the array is empty",
+                    advice);
     char near[VALUE + 1]; /* longer names get no suggestion */
     text_clip(near, sizeof near, nearest);
     return fail(e, "no element \"%s\"; did you mean \"%s\"?%s", clipped, near, hint);
@@ -185,7 +188,8 @@ static pdyn_status put(const struct edit *e, json_t *value) {
     pdyn_status status = PDYN_OK;
     for (; (next = find(at, e->key[k], &index)) && k < last; k++) at = next;
     bool append = json_is_array(at) && !next;
-    if (append && !may_append(e, k, at)) status = fail_element(e, at, e->key[k]);
+    if (append && !may_append(e, k, at))
+        status = fail_element(e, at, e->key[k], e->make ? "" : "; to add one, set the whole array");
     if (!json_is_object(at) && !json_is_array(at)) {
         text_clip(clipped, sizeof clipped, e->key[k]);
         status =
@@ -193,7 +197,7 @@ static pdyn_status put(const struct edit *e, json_t *value) {
     }
     for (int j = last; j > k && status == PDYN_OK && value; j--)
         if (e->make && is_index(e->key[j]) && !may_append(e, j, NULL))
-            status = fail_element(e, NULL, e->key[j]);
+            status = fail_element(e, NULL, e->key[j], "");
         else value = wrap(e, j, value);
     if (status == PDYN_OK && append && value) value = name_element(e, k, value);
     if (status != PDYN_OK) return json_decref(value), status;
@@ -207,7 +211,7 @@ static pdyn_status fail_missing(const struct edit *e, json_t *container, const c
     char clipped[VALUE], hint[512] = "";
     json_t *value;
     int count = 0;
-    if (json_is_array(container)) return fail_element(e, container, key);
+    if (json_is_array(container)) return fail_element(e, container, key, "");
     text_clip(clipped, sizeof clipped, key);
     json_object_foreach(container, name, value) if (count < KEYS) names[count++] = name;
     if (count) text_hint(hint, sizeof hint, clipped, names, count);

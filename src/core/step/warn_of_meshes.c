@@ -11,7 +11,9 @@
 
 /* Extents that occur in practice. */
 static const double min_extent = 2e-3, max_extent = 500.0; /* m */
-static const double max_times = 10.0;  /* extent of a body over that of all solids */
+static const double max_times = 10.0; /* extent of a body over that of all solids */
+/* Extent of the mesh of a solid over that of all else: a ground may be large. */
+static const double max_solid_times = 50.0;
 static const double min_filled = 0.85; /* of the volume of a mesh, by tetrahedra */
 /* Rounding of coordinates in frames, over the spacing of particles or the mean edge. */
 static const double max_rounding = 0.01;
@@ -79,15 +81,37 @@ static void check_distance(struct pdyn_sim *sim, int b) {
          particles ? "apart" : "on average");
 }
 
+/* Extent of all bodies and of all solids but one together, m; INFINITY: nothing is there at the
+ * start. */
+static double extent_beside(const struct pdyn_sim *sim, int solid) {
+    struct box box = box_empty;
+    for (int i = 0; i < sim->objective.particles; i++)
+        if (particle_is_live(sim, i)) box_add(&box, sim->x + 3 * (size_t)i);
+    for (int s = 0; s < sim->scene.solids; s++) {
+        const struct mesh *mesh = &sim->scene.solid[s].mesh;
+        for (int i = 0; s != solid && i < mesh->vertices; i++)
+            box_add(&box, mesh->vertex + 3 * (size_t)i);
+    }
+    return box.min[0] <= box.max[0] ? box_extent(&box) : INFINITY;
+}
+
 static void check_scale_of_solids(struct pdyn_sim *sim) {
     for (int s = 0; s < sim->scene.solids; s++) {
         const struct scene_solid *solid = &sim->scene.solid[s];
         struct box box = box_around(solid->mesh.vertex, solid->mesh.vertices);
         double extent = box_extent(&box);
-        if (solid->kind != SOLID_MESH || (extent >= min_extent && extent <= max_extent)) continue;
-        WARN(sim, SCALE, solid->name,
-             "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh",
-             extent);
+        double times = extent / extent_beside(sim, s);
+        if (solid->kind != SOLID_MESH) continue;
+        if (extent < min_extent || extent > max_extent)
+            WARN(sim, SCALE, solid->name,
+                 "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh",
+                 extent);
+        else if (times > max_solid_times)
+            WARN(sim, SCALE, solid->name,
+                 "it is %.3g m long, %.2g times as long as all bodies and other solids; lengths "
+                 "are in "
+                 "metres, \"scale\" changes the unit of a mesh",
+                 extent, times);
     }
 }
 
