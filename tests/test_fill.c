@@ -127,7 +127,7 @@ static void test_open_mesh(void **state) {
     expect_bad_fill(0.02, "{'mesh': 'torus.obj'}",
                     "scene.json:2:49: bodies[0].particles.fill[0].mesh: torus.obj: the mesh is not "
                     "closed: the edge between vertices 0 and 79, at (1.4, 0, 0) m, has 1 triangle, "
-                    "expected 2");
+                    "expected 2: a hole, or vertices that are not joined");
     write_torus(false);
     expect_bad_fill(
         0.5, "{'mesh': 'torus.obj'}",

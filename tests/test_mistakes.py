@@ -202,6 +202,11 @@ MISTAKES = [
     Mistake("fixed step that does not divide a frame", change(("time_step", {"fixed": 0.02}), ("frame_interval", 0.03)),
             'steps that end at frames, every 0.03 s, have 0.015 s, not the fixed 0.02 s; with the "frame_interval" 0.04 they fit [frames]'),
     Mistake("duration shorter than a frame", change(("duration", 0.01)), "[frames]"),
+    Mistake("frames per second as frame_interval", change(("frame_interval", 25)), "shorter than the frame interval, the 25 s between two frames"),
+    Mistake("a crate that stands on the floor without a gap", change(("bodies", [{"name": "crate", "rigid": {
+        "box": {"minimum": [-0.1, 0, -0.1], "maximum": [0.1, 0.2, 0.1]}, "density": 500}}])), "leave a gap between them", codes=(2, 2)),
+    Mistake("a rigid mesh with a hole", change(("bodies.1", None), ("bodies.1", {"name": "scan", "rigid": {"mesh": "squares.obj", "density": 500}})),
+            "has 1 triangle, expected 2: a hole, or vertices that are not joined", codes=(2, 2)),
     Mistake("free cloth above a solid, no contact", change(FREE, ("contact", None)), "[no-contact]"),
     Mistake("mesh with split vertices", change(("bodies.1.surface", {"mesh": "squares.obj", "area_density": 0.2}),
                                                ("bodies.1.constraints.1.vertices", {"vertices": [0, 4]})), "[seams]"),

@@ -84,12 +84,12 @@ static pdyn_status fail_intersecting(const struct contact *c, int e, int f) {
     double x[3];
     find_crossing(at + 3 * edge[0], at + 3 * edge[1], at + 3 * face[0], at + 3 * face[1],
                   at + 3 * face[2], x);
-    return set_error(PDYN_BAD_INPUT,
-                     "contact: triangle %d of \"%s\" and triangle %d of \"%s\" intersect, near "
-                     "(%.3g, %.3g, %.3g) m; they are %.3g m and %.3g m long",
-                     triangle_number(c, edge, 2), c->name[one], triangle_number(c, face, 3),
-                     c->name[other], x[0], x[1], x[2], extent_of_group(c, one),
-                     extent_of_group(c, other));
+    return set_error(
+        PDYN_BAD_INPUT,
+        "contact: triangle %d of \"%s\" and triangle %d of \"%s\" intersect, near "
+        "(%.3g, %.3g, %.3g) m; they are %.3g m and %.3g m long: leave a gap between them",
+        triangle_number(c, edge, 2), c->name[one], triangle_number(c, face, 3), c->name[other],
+        x[0], x[1], x[2], extent_of_group(c, one), extent_of_group(c, other));
 }
 
 static pdyn_status check_intersections(const struct contact *c) {

@@ -54,7 +54,8 @@ static pdyn_status check_edges(pdyn_context *context, const struct mesh *mesh, c
 static pdyn_status check_cloth_edge(const struct mesh *mesh, const char *name,
                                     const struct side *side, int count) {
     if (count == 2 && mesh->triangle[side[0].corner] == mesh->triangle[side[1].corner])
-        return set_error(PDYN_BAD_INPUT, "%.1024s: triangles %d and %d have the same vertices",
+        return set_error(PDYN_BAD_INPUT,
+                         "%.1024s: triangles %d and %d have the same vertices: delete one of them",
                          name, side[0].corner / 3, side[1].corner / 3);
     if (count <= 2) return PDYN_OK;
     const double *x = mesh->vertex + 3 * (size_t)side->end[0];
@@ -70,9 +71,10 @@ static pdyn_status check_closed_edge(const struct mesh *mesh, const char *name,
     const double *x = mesh->vertex + 3 * (size_t)side->end[0];
     return set_error(PDYN_BAD_INPUT,
                      "%.1024s: the mesh is not closed: the edge between vertices %d and %d, at "
-                     "(%.4g, %.4g, %.4g) m, has %d triangle%s, expected 2",
+                     "(%.4g, %.4g, %.4g) m, has %d triangle%s",
                      name, side->end[0], side->end[1], x[0], x[1], x[2], count,
-                     count == 1 ? "" : "s");
+                     count == 1 ? ", expected 2: a hole, or vertices that are not joined"
+                                : "s, expected 2");
 }
 
 pdyn_status mesh_check_edges(pdyn_context *context, const struct mesh *mesh, const char *name) {

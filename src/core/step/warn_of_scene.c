@@ -243,7 +243,8 @@ static void check_fixed(struct pdyn_sim *sim) {
 static void check_duration(struct pdyn_sim *sim) {
     const struct scene_settings *settings = &sim->scene.settings;
     if (settings->duration < (1.0 - 1e-9) * settings->frame_interval)
-        WARN(sim, FRAMES, "", "the duration of %g s is shorter than the frame interval of %g s",
+        WARN(sim, FRAMES, "",
+             "the duration of %g s is shorter than the frame interval, the %g s between two frames",
              settings->duration, settings->frame_interval);
 }
 
