@@ -168,7 +168,8 @@ class Simulation(Fixed):
 
     def restore(self, state: Union[bytes, bytearray, memoryview, Path]) -> None:
         """Restores the state of a simulation of the same scene, from bytes or from a file; it goes
-        on with the same bits."""
+        on with the same bits. Until the next step forces, loads and energies are 0; pressures and
+        probes have the values of the state."""
         if isinstance(state, (bytes, bytearray, memoryview)):
             state = bytes(state)
             self._handle.call(lib.pdyn_restore_memory, state, len(state))
