@@ -137,7 +137,8 @@ static void warn_pressed(struct pdyn_sim *sim) {
         warnings_say(
             sim->context, w,
             "%ld of %ld steps are unsolved with surfaces as close as %.2g of the contact "
-            "thickness: \"contact.stiffness\" of %g N/m is too small for what presses them",
+            "thickness: \"contact.stiffness\" of %g N/m is too small for what presses them, or a "
+            "fast impact or a joint leaves them no room",
             w->count, sim->steps, 1.0 / w->worst, sim->scene.contact.stiffness);
 }
 
