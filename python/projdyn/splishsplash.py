@@ -54,6 +54,9 @@ class Converter:
 
     def __init__(self, data: dict[str, Any], folder: str, models: Any = None) -> None:
         self.data, self.folder, self.models = data, folder, models
+        if not CONVERTED & set(data):
+            raise ValueError("expected a scene of SPlisHSPlasH, found none of its keys: " +
+                             ", ".join(sorted(CONVERTED)))
         self.settings = data.get("Configuration", {})
         self.radius = self.settings.get("particleRadius", 0.025)
         self.notes: list[str] = []
@@ -186,7 +189,7 @@ class Converter:
                  "frame_interval": round(1.0 / settings.get("dataExportFPS", 25), 9),
                  "gravity": settings.get("gravitation", [0, -9.81, 0]), "time_step": step,
                  "bodies": self.fluids(), "solids": [], "outlets": self.outlets()}
-        self.notes += [f"{key} are left out" for key in self.data if key not in CONVERTED | SOLVER]
+        self.notes += [f"{key}: left out" for key in self.data if key not in CONVERTED | SOLVER]
         if settings.get("sim2D"):
             self.notes.append("a scene of two dimensions: its blocks are filled in three")
         if "stopAt" not in settings:
@@ -208,7 +211,10 @@ def main(arguments: list[str]) -> int:
         with open(options.scene, encoding="utf-8") as file:
             converter = Converter(json.load(file), os.path.dirname(options.scene), options.models)
         text = json.dumps(converter.convert(), indent=2) + "\n"
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, ArithmeticError) as error:
+    except OSError as error:
+        print(f"{options.scene}: {error.strerror}", file=sys.stderr)
+        return 2
+    except (ValueError, KeyError, TypeError, AttributeError, ArithmeticError) as error:
         print(f"{options.scene}: {type(error).__name__}: {error}", file=sys.stderr)
         return 2
     for note in dict.fromkeys(converter.notes):
