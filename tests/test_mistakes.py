@@ -287,6 +287,8 @@ MISTAKES = [
             'unknown key "friction"; did you mean "contact.friction" of the scene?', codes=(2, 2)),
     Mistake("unknown constraint", change(("bodies.0.constraints.0.type", "fluit")), 'did you mean "fluid"', "those of a plug-in need --plugin FILE.so", codes=(2, 2)),
     Mistake("a constraint called joint", change(("bodies.1.constraints.0.type", "joint")), 'did you mean "attachment"?', codes=(2, 2)),
+    Mistake("stiffness of bending", change(("bodies.1.constraints.0", {"type": "bending", "stiffness": 0.1})),
+            'unknown key "stiffness"; did you mean "bending_rigidity"?', codes=(2, 2)),
     Mistake("adhesion of a fluid", change(("bodies.0.constraints.1", {"type": "surface_tension", "tension": 0.07, "adhesion": 1})),
             'unknown key "adhesion"; did you mean "contact_angle"?', codes=(2, 2)),
     Mistake("unknown solver", change(("solver", {"type": "cgg"})), 'did you mean "cg"', codes=(2, 2)),
