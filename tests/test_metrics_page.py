@@ -18,7 +18,7 @@ PROBES = [{"point": [0, 0, 0]}, {"line": {"from": [0, 0, 0], "to": [1, 0, 0], "c
           {"inside": "ball"}, {"body": "sheet"}]
 STRING = {"type": "attachment", "to": "sheet", "vertices": {"vertices": [0]}, "stiffness": 1e-3,
           "until": 9}
-BALL = {"name": "ball",
+BALL = {"name": "ball", "color": "#c02020",
         "constraints": [{"type": "gas"}, {"type": "pin", "vertices": {"all": True}}, STRING, STRING],
         "surface": {"mesh": str(PAGE.parents[2] / "scenes/meshes/ball.obj"), "scale": 0.01,
                     "translate": [0, 2, 0], "area_density": 1}}
@@ -53,7 +53,7 @@ class MetricsPage(unittest.TestCase):
             done = subprocess.run(
                 [PROJDYN, "run", SCENE, "-o", run, "--quiet", "--time", "0.1", "--no-frames",
                  "--set", "bodies=" + json.dumps(bodies),
-                 "--set", "probes=" + json.dumps(PROBES), "--set", "frame_interval=0.03",
+                 "--set", 'solids.tank.color="#808080"', "--set", "probes=" + json.dumps(PROBES), "--set", "frame_interval=0.03",
                  "--set", "contact={\"thickness\": 0.005}",
                  "--set", "time_step={\"fixed\": 0.02}"],
                 capture_output=True, text=True, timeout=300)
