@@ -19,7 +19,8 @@ def program_path() -> str:
     path = (os.environ.get("PROJDYN_PROGRAM") or installed_file("projdyn")
             or shutil.which("projdyn"))
     if not path:
-        raise Error("the program projdyn is neither in the wheel nor in PATH")
+        raise Error("the program projdyn is neither in the wheel nor in PATH: set PROJDYN_PROGRAM "
+                    "to that of a build, build/app/projdyn")
     return path
 
 

@@ -5,6 +5,7 @@ import re
 import shutil
 import tempfile
 import unittest
+from unittest import mock
 
 import numpy as np
 
@@ -95,6 +96,12 @@ class Errors(Files):
                      lambda: projdyn.usd("no_such")):
             with self.assertRaisesRegex(projdyn.InputError, "^no_such: cannot read the directory"):
                 call()
+
+    def test_no_program(self):
+        with mock.patch.dict(os.environ, {"PATH": "", "PROJDYN_PROGRAM": ""}), \
+                mock.patch("projdyn._program.installed_file", return_value=None), \
+                self.assertRaisesRegex(projdyn.Error, "set PROJDYN_PROGRAM to that of a build"):
+            projdyn.usd(self.path / "sheet")
 
     def test_failure(self):
         """A failure that is not one of the arguments."""
