@@ -101,7 +101,7 @@ static const struct bad_scene bad_scenes[] = {
      "scene.json:2:33: solver.linear_tolerance: expected a number from 0 to 0.9, found 1"},
     {TOP("'solver': {'iterations': 2}"),
      "scene.json:2:13: solver: unknown key \"iterations\"; did you mean "
-     "\"linear_iterations\"?; known: type, step, tolerance, outer_iterations, "
+     "\"outer_iterations\"?; known: type, step, tolerance, outer_iterations, "
      "linear_tolerance, linear_iterations, retries"},
     /* contact */
     {"{'duration': 1, 'bodies': [" SHEET("") "],\n 'contact': {}}",
@@ -173,7 +173,7 @@ static const struct {
      "mean \"constraints.spring\"?"},
     {"bodies.water.viscosity=1",
      "--set bodies.water.viscosity=1: bodies[0]: unknown key \"viscosity\"; did you mean "
-     "\"constraints\"?; known: *"},
+     "\"viscosity\" in the \"constraints\" of the body?"},
     {"bodies.7.velocity=[0, 0, 1]", "--set bodies.7.velocity=[0, 0, 1]: no element \"7\"; known: 0 "
                                     "(water), 1 (sheet); to add one, set the whole array"},
     {"bodies.sheet.constraints.pin.stiffness=1",

@@ -39,7 +39,9 @@ const char *text_closest(const char *name, const char *const *names, int count) 
     for (int i = 0; i < count; i++) {
         if (strlen(names[i]) > MAX_WORD) continue;
         int distance = edit_distance(name, names[i]);
-        if (length > 3 && strstr(names[i], name)) distance = min_int(distance, best - 1);
+        bool within = (length > 3 && strstr(names[i], name)) ||
+                      (strlen(names[i]) > 3 && strstr(name, names[i]));
+        if (within) distance = min_int(distance, best - 1);
         if (distance < best) best = distance, nearest = names[i];
     }
     return nearest;
@@ -108,6 +110,27 @@ static const char *const translations[][2] = {{"fps", "frame_interval"},
                                               {"elastic", "tet"},
                                               {"water", "fluid"},
                                               {"cylinder", "mesh"},
+                                              {"gravitation", "gravity"},
+                                              {"t_end", "duration"},
+                                              {"output_interval", "frame_interval"},
+                                              {"walls", "solids"},
+                                              {"objects", "bodies"},
+                                              {"entities", "bodies"},
+                                              {"particles", "bodies"},
+                                              {"iterations", "outer_iterations"},
+                                              {"tol", "tolerance"},
+                                              {"scheme", "integrator"},
+                                              {"mu", "friction"},
+                                              {"file", "mesh"},
+                                              {"geometry", "mesh"},
+                                              {"diameter", "radius"},
+                                              {"spacing", "radius"},
+                                              {"positions", "fill"},
+                                              {"block", "fill"},
+                                              {"max_particles", "budget"},
+                                              {"voxel_size", "cell"},
+                                              {"resolution", "cell"},
+                                              {"xsph", "viscosity"},
                                               {"position", "translate"},
                                               {"position", "center"},
                                               {"resolution", "cells"},

@@ -1,5 +1,5 @@
 /* Keys at a wrong place: those of a body in its shape, those of a shape in its body, and those of
- * the scene's contact in a body or a solid. */
+ * the scene or of a constraint anywhere else. */
 #include "misplaced.h"
 
 #include "base/text.h"
@@ -39,8 +39,16 @@ static const char *const of_shape[][2] = {{"particles", "fill"},
                                           {"rigid", "rotate"},
                                           {"rigid", "translate"},
                                           {"rigid", "angular_velocity"}};
-static const char *const of_contact[][2] = {
-    {"friction", "friction"}, {"thickness", "thickness"}, {"restitution", "damping_ratio"}};
+static const char *const elsewhere[][2] = {
+    {"friction", "\"contact.friction\" of the scene"},
+    {"thickness", "\"contact.thickness\" of the scene"},
+    {"restitution", "\"contact.damping_ratio\" of the scene"},
+    {"gravity", "\"gravity\" of the scene"},
+    {"kernel", "\"kernel\" of the scene"},
+    {"boundary", "\"boundary\" of the scene"},
+    {"rest_density", "\"particles.rest_density\" of the body"},
+    {"viscosity", "\"viscosity\" in the \"constraints\" of the body"},
+    {"surface_tension", "\"surface_tension\" in the \"constraints\" of the body"}};
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
@@ -70,16 +78,16 @@ static bool hint_shape(const struct json_at *at, char *hint, size_t size) {
     return false;
 }
 
-static bool hint_contact(const struct json_at *at, char *hint, size_t size) {
-    for (size_t k = 0; at->parent->parent && k < COUNT(of_contact); k++)
-        if (!strcmp(at->key, of_contact[k][0])) {
-            text_append(hint, size, "; did you mean \"contact.%s\" of the scene?",
-                        of_contact[k][1]);
+static bool hint_elsewhere(const struct json_at *at, char *hint, size_t size) {
+    for (size_t k = 0; at->parent->parent && k < COUNT(elsewhere); k++)
+        if (!strcmp(at->key, elsewhere[k][0])) {
+            text_append(hint, size, "; did you mean %s?", elsewhere[k][1]);
             return true;
         }
     return false;
 }
 
 bool misplaced_hint(const struct json_at *at, char *hint, size_t size) {
-    return hint_body(at, hint, size) || hint_shape(at, hint, size) || hint_contact(at, hint, size);
+    return hint_body(at, hint, size) || hint_shape(at, hint, size) ||
+           hint_elsewhere(at, hint, size);
 }
