@@ -97,12 +97,12 @@ class Blender(unittest.TestCase):
         assert done.returncode == 0, done.stdout + done.stderr
         return json.loads(out.with_suffix(".json").read_text()), np.load(f"{out}.npz")
 
-    def check(self, arrays, name, frame, file):
+    def check(self, arrays, name, frame, file, turn=z_up):
         points, triangles, data = read(self.directory / file)
-        self.assertTrue((arrays[f"{name}.{frame}.points"] == z_up(points)).all())
+        self.assertTrue((arrays[f"{name}.{frame}.points"] == turn(points)).all())
         self.assertTrue((arrays[f"{name}.{frame}.triangles"] == triangles).all())
         for key in {"velocity", "density", "pressure"} & set(data):
-            values = z_up(data[key]) if key == "velocity" else data[key].reshape(-1, 1)
+            values = turn(data[key]) if key == "velocity" else data[key].reshape(-1, 1)
             self.assertTrue((arrays[f"{name}.{frame}.{key}"] == values).all())
 
     def test_every_frame_is_that_of_the_file(self):
@@ -112,6 +112,14 @@ class Blender(unittest.TestCase):
                                ("ball", f"solids/ball_{frame:06d}.vtk")):
                 with self.subTest(name, frame=frame):
                     self.check(self.arrays, name, frame, file)
+
+    def test_a_scene_with_z_up_is_not_turned(self):
+        report = self.directory / "report.json"
+        text = report.read_text()
+        self.addCleanup(report.write_text, text)
+        report.write_text(json.dumps({**json.loads(text), "up": "z"}))
+        _, arrays = self.dump("z_up")
+        self.check(arrays, "sheet", 3, "sheet_000003.vtk", turn=lambda vectors: vectors)
 
     def test_the_surface_of_the_water_takes_the_place_of_particles(self):
         for frame in FRAMES:

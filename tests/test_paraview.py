@@ -61,6 +61,13 @@ class ParaView(unittest.TestCase):
         self.check(True, [("water", "water", False, 4), *others])
         self.check(False, [("water", "particles", True, 4), *others])
 
+    def test_the_axis_that_is_up(self):
+        self.assertFalse(run_directory.is_z_up(self.directory))
+        turned = pathlib.Path(self.holder.name) / "turned"
+        subprocess.run([PROJDYN, "run", SCENE, "-o", turned, "--quiet", "--time", "0.01", "--no-frames",
+                        "--set", "gravity=[1, 2, -9]"], check=True, capture_output=True)
+        self.assertTrue(run_directory.is_z_up(turned))
+
     def test_pvpython_draws_it(self):
         if not shutil.which("pvpython") or not shutil.which("Xvfb"):
             self.skipTest("pvpython or Xvfb is not installed")

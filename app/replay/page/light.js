@@ -39,7 +39,8 @@ uniform float texel;    /* of the shadow map of what is opaque, m */
 uniform float soft;     /* 0: few samples of the shadow maps, for speed */
 uniform sampler2DShadow shadowMap, waterMap, skyMap;
 uniform vec3 absorbed[3], scattered[3]; /* of three liquids, per length "clear" of water.js */
-const vec3 up = ${glslVector(fromYUp([0, 1, 0]))}, groundAxis = ${glslVector(fromYUp([0, 0, 1]))}; /* the ground has the axes x and groundAxis */
+const vec3 up = ${glslVector(fromYUp([0, 1, 0]))};
+const vec3 groundAxis = ${glslVector(fromYUp([0, 0, 1]))}; /* of the ground, beside x */
 const vec3 softBox = normalize(${glslVector(fromYUp([-0.55, 0.7, -0.45]))});
 const vec3 lampColour = vec3(1.16, 1.11, 1.04);
 float unshaded(sampler2DShadow map, vec3 q) {
