@@ -158,6 +158,8 @@ MISTAKES = [
             "times as long as all bodies and other solids; lengths are in metres"),
     Mistake("an angle in radians", change(("solids.1", {**BALL, "motion": [{"time": 0, "rotate": [0, 0, 1.5708]}]}), *WATER_ONLY),
             "solids[1].motion[0].rotate: 1.5708 degrees is the angle of 90 degrees in radians; the unit is degrees"),
+    Mistake("turns of pins in radians", change(("bodies.1.constraints.1.turn", [[0, 0, 0, 0], [0.05, 0, 0.785, 0]]), *SHEET_ONLY),
+            "bodies[0].constraints[1].turn[1]: 0.785 degrees is the angle of 45 degrees in radians; the unit is degrees"),
     Mistake("a rigid ball in very thick contact", change(("bodies.0", MARBLE), ("bodies.1", None), ("contact.thickness", 0.04)),
             "times its mean edge length: contact of so fine a mesh takes long [contact-thickness]"),
     Mistake("contact thickness above the edge length", change(("contact.thickness", 0.1)),

@@ -2,6 +2,7 @@
 #include "angles.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double rounding = 2e-3; /* rad: 3.14 stands for 180 degrees */
 
@@ -18,12 +19,11 @@ static double usual_angle(double angle) {
     return 0.0;
 }
 
-void angles_note(const struct json_at *owner, const double degrees[3]) {
-    for (int a = 0; a < 3; a++) {
-        double usual = usual_angle(degrees[a]);
-        struct json_at at = json_member(owner, "rotate");
+void angles_note(const struct json_at *at, const char *unit, const double *value, int count) {
+    for (int k = 0; k < count && !strcmp(unit, "degrees"); k++) {
+        double usual = usual_angle(value[k]);
         if (usual != 0.0)
-            json_note(&at, "%g degrees is the angle of %g degrees in radians; the unit is degrees",
-                      degrees[a], usual);
+            json_note(at, "%g degrees is the angle of %g degrees in radians; the unit is degrees",
+                      value[k], usual);
     }
 }

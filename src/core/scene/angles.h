@@ -4,8 +4,7 @@
 
 #include "json_file.h"
 
-/* Notes that angles given as "rotate" of an object, degrees, are those of usual angles in radians.
- */
-void angles_note(const struct json_at *owner, const double degrees[3]);
+/* Notes that one of the values, in a unit that is "degrees", is a usual angle in radians. */
+void angles_note(const struct json_at *at, const char *unit, const double *value, int count);
 
 #endif

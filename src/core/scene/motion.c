@@ -1,6 +1,5 @@
 #include "motion.h"
 
-#include "angles.h"
 #include "params.h"
 #include "reader.h"
 
@@ -22,7 +21,6 @@ static pdyn_status read_keys(const struct json_at *array, struct scene_motion *m
         struct json_at at = json_element(array, (size_t)k);
         struct scene_key *key = &motion->key[k];
         status = params_read_object(&at, scene_key_params, key);
-        if (status == PDYN_OK) angles_note(&at, key->rotate);
         if (status == PDYN_OK && k) status = motion_check_time(&at, key[-1].time, key->time);
     }
     return status;

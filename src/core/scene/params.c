@@ -1,6 +1,7 @@
 /* Reading JSON objects by tables of parameters. */
 #include "params.h"
 
+#include "angles.h"
 #include "base/text.h"
 #include "geometry/sampling.h"
 #include "keyed.h"
@@ -212,6 +213,7 @@ static pdyn_status read_path(const struct json_at *at, const pdyn_param *param,
         if (k && !(key[0] > key[-4]))
             return json_fail(&element, "expected a time after %.10g s, found %.10g s", key[-4],
                              key[0]);
+        angles_note(&element, param->unit, key + 1, 3);
     }
     return PDYN_OK;
 }
@@ -254,7 +256,9 @@ static pdyn_status read_bool(const struct json_at *at, const pdyn_param *param,
 static pdyn_status read_vector(const struct json_at *at, const pdyn_param *param,
                                const struct scene_body *body, void *field) {
     (void)body;
-    return params_reals(at, 3, param->min, param->max, param->unit, field);
+    pdyn_status status = params_reals(at, 3, param->min, param->max, param->unit, field);
+    if (status == PDYN_OK) angles_note(at, param->unit, field, 3);
+    return status;
 }
 
 static void default_real(const pdyn_param *param, void *field) { *(double *)field = param->def; }

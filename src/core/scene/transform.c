@@ -1,7 +1,6 @@
 /* Transforms of points and directions. */
 #include "transform.h"
 
-#include "angles.h"
 #include "params.h"
 
 #include "projdyn/vec3.h"
@@ -27,7 +26,6 @@ pdyn_status transform_read(const struct json_at *owner, double min, struct trans
     if (status == PDYN_OK && !(out->scale[0] * out->scale[1] * out->scale[2] != 0.0))
         status = json_expected(&scale, "a scale that is not 0");
     if (status == PDYN_OK) status = params_read(owner, transform_params, NULL, out);
-    if (status == PDYN_OK) angles_note(owner, out->rotate);
     return status;
 }
 
