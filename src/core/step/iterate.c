@@ -41,17 +41,12 @@ bool iterate_retract(const struct pdyn_sim *sim, double *x) {
     return sim->objective.rigid && rigid_map_retract(sim->objective.rigid, x);
 }
 
-int iterate_most_rounds(const struct pdyn_sim *sim) {
-    return TURN_ROUNDS + (sim->objective.rigid ? sim->objective.rigid->bodies : 0);
-}
-
-void iterate_keep_bent(const struct pdyn_sim *sim, const double *from, double *x) {
-    const struct rigid_map *map = sim->objective.rigid;
-    for (int k = 0; k < map->bodies; k++) {
-        const struct rigid_body *body = &map->body[k];
-        int end = 3 * rigid_body_end(body);
-        for (int j = 3 * body->first; body->bent && j < end; j++) x[j] = from ? from[j] : 0.0;
-    }
+bool iterate_retract_moves(struct pdyn_sim *sim, double *moves) {
+    if (!sim->objective.rigid) return false;
+    objective_axpy(&sim->objective, 1.0, sim->x_next, moves);
+    bool bent = iterate_retract(sim, moves);
+    objective_axpy(&sim->objective, -1.0, sim->x_next, moves);
+    return bent;
 }
 
 pdyn_status iterate_update_limits(struct pdyn_sim *sim, const double *x) {

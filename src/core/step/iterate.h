@@ -12,18 +12,10 @@ pdyn_status iterate_update_limits(struct pdyn_sim *sim, const double *x);
  * Returns the smallest part of a displacement that is left. */
 double iterate_limit(const struct pdyn_sim *sim, double *moves);
 
-/* Times that paths of rigid bodies are checked before a body whose path stops again does not move:
- * each stop within a turn ends beside the path that was checked, mostly nearer than the last. */
-enum { TURN_ROUNDS = 8 };
-/* The same, until all bodies have stopped. */
-int iterate_most_rounds(const struct pdyn_sim *sim);
-
 /* Makes the shapes of rigid bodies rigid at x. Returns whether one was not. */
 bool iterate_retract(const struct pdyn_sim *sim, double *x);
-
-/* Rigid bodies that were not rigid at the last call of iterate_retract get the positions `from` in
- * x, or 0 if it is NULL. */
-void iterate_keep_bent(const struct pdyn_sim *sim, const double *from, double *x);
+/* The same for displacements from the iterate. */
+bool iterate_retract_moves(struct pdyn_sim *sim, double *moves);
 
 /* The trial and its gradient become the iterate and its gradient. */
 void iterate_accept_trial(struct pdyn_sim *sim);

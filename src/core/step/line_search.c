@@ -2,8 +2,8 @@
  * and steps longer than the direction. */
 #include "line_search.h"
 
-#include "contact/contact.h"
 #include "iterate.h"
+#include "stop_paths.h"
 
 #include <math.h>
 
@@ -14,34 +14,6 @@ struct rule {         /* conditions under which a step along the direction is ac
                          is positive; 0 disables. The last try need not satisfy it */
 };
 
-/* Displacements of rigid bodies from x_next become those to rigid positions. Returns whether some
- * were not. */
-static bool rigid_moves(struct pdyn_sim *sim, double *moves) {
-    if (!sim->objective.rigid) return false;
-    objective_axpy(&sim->objective, 1.0, sim->x_next, moves);
-    bool bent = iterate_retract(sim, moves);
-    objective_axpy(&sim->objective, -1.0, sim->x_next, moves);
-    return bent;
-}
-
-/* Stops every point of sim->trial, displacements from x_next, on its path. A rigid body that stops
- * within a turn, here or by iterate_limit, is put to the closest rigid pose, to which the path is
- * checked again; a body that still stops after TURN_ROUNDS of these checks does not move. */
-static pdyn_status stop_paths(struct pdyn_sim *sim, double *taken) {
-    struct contact *contact = sim->objective.contact;
-    pdyn_status status = PDYN_OK;
-    bool bent = contact;
-    for (int k = 0; status == PDYN_OK && bent && k < iterate_most_rounds(sim); k++) {
-        status = contact_filter(contact, sim->x_next, sim->trial);
-        *taken *= contact_least(contact);
-        bent = rigid_moves(sim, sim->trial) && (k == 0 || contact_least(contact) < 1.0);
-        if (!bent || k + 1 < TURN_ROUNDS) continue;
-        iterate_keep_bent(sim, NULL, sim->trial);
-        *taken = 0.0;
-    }
-    return status;
-}
-
 /* sim->trial = x_next + part x direction, every point stopped where its path ends. *least: the
  * smallest part that a point has gone so far. *slope, of E along the direction, becomes the slope
  * along these displacements. */
@@ -49,10 +21,10 @@ static pdyn_status set_trial(struct pdyn_sim *sim, double part, double *least, d
     struct objective *objective = &sim->objective;
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < 3 * objective->particles; k++) sim->trial[k] = part * sim->direction[k];
-    rigid_moves(sim, sim->trial);
+    iterate_retract_moves(sim, sim->trial);
     bool blocked = part > *least;
     double taken = blocked ? iterate_limit(sim, sim->trial) : 1.0;
-    if (blocked) status = stop_paths(sim, &taken);
+    if (blocked) status = stop_paths(sim, PATHS_FROM_ITERATE, sim->trial, &taken);
     if (blocked) *least = part * taken;
     *slope = part > *least ? objective_dot(objective, sim->gradient, sim->trial) : part * *slope;
     objective_axpy(objective, 1.0, sim->x_next, sim->trial);

@@ -3,11 +3,9 @@
 #include "start_point.h"
 
 #include "carried.h"
-#include "contact/contact.h"
 #include "iterate.h"
 #include "live_particles.h"
-
-#include "projdyn/vec3.h"
+#include "stop_paths.h"
 
 #include <math.h>
 #include <string.h>
@@ -20,52 +18,10 @@ static void predict_with_acceleration(struct pdyn_sim *sim, double *x) {
     objective_axpy(&sim->objective, h_e * h_e, sim->constraint_acceleration, x);
 }
 
-/* x = where the paths of particles to their first iterate begin: the state, with particles carried
- * along by moving solids (carried.h), and bodies moved by their common displacement
- * (contact/common_motion.c). */
-static void set_path_starts(const struct pdyn_sim *sim, double *x) {
-    const struct objective *objective = &sim->objective;
-    memcpy(x, carried_x(sim), objective_bytes(objective));
-    for (int b = 0; b < objective->bodies && objective->contact; b++) {
-        const struct objective_body *body = &objective->body[b];
-        const double *common = contact_common(objective->contact, b);
-        for (int i = body->first; i < body->first + body->count; i++)
-            vec3_add(x + 3 * i, 1.0, common);
-    }
-}
-
-/* Rigid bodies that were not rigid at the last retraction of x get the positions where their paths
- * begin. */
-static void keep_bent_at_start(struct pdyn_sim *sim, double *x) {
-    double *starts = sim->rhs;
-    set_path_starts(sim, starts);
-    iterate_keep_bent(sim, starts, x);
-}
-
-/* Stops every point of x on its path from the state sim->x. A rigid body that stops within a turn,
- * here or by iterate_limit, is put to the closest rigid pose, to which the path is checked again; a
- * body that still stops after TURN_ROUNDS of these checks does not move. *least: the smallest part
- * of its path that a point goes. */
-static pdyn_status stop_at_contact(struct pdyn_sim *sim, double *x, double *least) {
-    struct contact *contact = sim->objective.contact;
-    pdyn_status status = PDYN_OK;
-    bool bent = contact;
-    *least = 1.0;
-    for (int k = 0; status == PDYN_OK && bent && k < iterate_most_rounds(sim); k++) {
-        status = contact_filter_start(contact, sim->x, x);
-        *least *= contact_least(contact);
-        bent = iterate_retract(sim, x) && (k == 0 || contact_least(contact) < 1.0);
-        if (!bent || k + 1 < TURN_ROUNDS) continue;
-        keep_bent_at_start(sim, x);
-        *least = 0.0;
-    }
-    return status;
-}
-
 /* Stops every point on its path from the state sim->x to x where surfaces are in its way. *least:
  * the smallest part of its path that a point goes. */
-static pdyn_status stop_paths(struct pdyn_sim *sim, double *x, double *least) {
-    double part;
+static pdyn_status stop_at_surfaces(struct pdyn_sim *sim, double *x, double *least) {
+    double part = 1.0;
     *least = 1.0;
     iterate_retract(sim, x);
     if (sim->max_step) {
@@ -73,7 +29,7 @@ static pdyn_status stop_paths(struct pdyn_sim *sim, double *x, double *least) {
         *least = iterate_limit(sim, x);
         objective_axpy(&sim->objective, 1.0, carried_x(sim), x);
     }
-    pdyn_status status = stop_at_contact(sim, x, &part);
+    pdyn_status status = stop_paths(sim, PATHS_TO_START, x, &part);
     *least = fmin(*least, part);
     iterate_retract(sim, x);
     return status;
@@ -82,7 +38,7 @@ static pdyn_status stop_paths(struct pdyn_sim *sim, double *x, double *least) {
 /* The local step at x, where paths to x are stopped. */
 static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *energy, double *gradient) {
     double unused;
-    pdyn_status status = stop_paths(sim, x, &unused);
+    pdyn_status status = stop_at_surfaces(sim, x, &unused);
     return status == PDYN_OK ? objective_local(&sim->objective, x, energy, gradient) : status;
 }
 
@@ -115,7 +71,7 @@ enum { SHORTER_STARTS = 6 }; /* that are tried before the step starts at the sta
  */
 static pdyn_status start_inertia(struct pdyn_sim *sim, double *energy) {
     double least, bound;
-    pdyn_status status = stop_paths(sim, sim->x_next, &least);
+    pdyn_status status = stop_at_surfaces(sim, sim->x_next, &least);
     if (status == PDYN_OK)
         status = objective_local(&sim->objective, sim->x_next, energy, sim->gradient);
     if (status != PDYN_OK || least == 1.0 || *energy <= inertial_energy_at_begin(sim))
