@@ -4,6 +4,7 @@
 #include "base/registry.h"
 #include "base/text.h"
 #include "scene/fingerprint.h"
+#include "scene/hint.h"
 #include "scene/inlet.h"
 #include "scene/keyed.h"
 #include "scene_support.h"
@@ -45,14 +46,14 @@ static void test_near_miss(void **state) {
         {"temperature", NULL},
     };
     for (int k = 0; k < COUNT(cases); k++) {
-        const char *found = text_closest(cases[k].word, names, COUNT(names));
+        const char *found = hint_closest(cases[k].word, names, COUNT(names));
         if (!cases[k].nearest) assert_null(found);
         else assert_string_equal(found ? found : "", cases[k].nearest);
     }
     char long_word[200];
     memset(long_word, 'r', sizeof long_word - 1);
     long_word[sizeof long_word - 1] = '\0';
-    assert_null(text_closest(long_word, names, COUNT(names)));
+    assert_null(hint_closest(long_word, names, COUNT(names)));
     char clipped[8];
     text_clip(clipped, sizeof clipped, "abc\xc3\xa4\n123456");
     assert_string_equal(clipped, "abc...");

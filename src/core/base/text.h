@@ -1,4 +1,4 @@
-/* Text for messages: append, clip, suggestions for an unknown word, numbers in the C locale. */
+/* Text for messages: append, clip, numbers in the C locale. */
 #ifndef PDYN_TEXT_H
 #define PDYN_TEXT_H
 
@@ -8,19 +8,12 @@
 
 enum { NAME_LENGTH = 64 }; /* largest length of the name of a body, a solid or a probe */
 
-/* The name most similar to `word`: at most a third of its letters differ. NULL: none. */
-const char *text_closest(const char *word, const char *const *names, int count);
-
 /* Appends formatted text, truncated to `size` bytes in all, the closing NUL included. */
 void text_append(char *text, size_t size, const char *format, ...) PDYN_PRINTF(3, 4);
 
 /* Copies at most size - 1 bytes of `from`. Control characters become '?'; a longer text is cut
  * after a complete UTF-8 character and ends with "...". */
 void text_clip(char *text, size_t size, const char *from);
-
-/* Appends `; did you mean "x"?` if one of the names resembles `word` or has its meaning, then `;
- * known: a, b, c`. */
-void text_hint(char *text, size_t size, const char *word, const char *const *names, int count);
 
 /* Sets the C locale for the calling thread until text_end: numbers have a decimal point. */
 struct text_locale {

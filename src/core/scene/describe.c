@@ -4,6 +4,7 @@
 #include "base/registry.h"
 #include "base/text.h"
 #include "choices.h"
+#include "hint.h"
 #include "keyed.h"
 #include "params.h"
 #include "table.h"
@@ -149,7 +150,7 @@ static pdyn_status fail_unknown(pdyn_context *context, const char *name) {
     for (int k = 0; registry_solver_at(context, k) && count < NAMES; k++)
         names[count++] = registry_solver_at(context, k)->name;
     text_clip(clipped, sizeof clipped, name);
-    text_hint(hint, sizeof hint, name, names, count);
+    hint_append(hint, sizeof hint, name, names, count);
     if (context->plugins == 1) /* the built-in types */
         text_append(hint, sizeof hint, "; types of a plug-in: projdyn list --plugin FILE");
     return set_error(PDYN_BAD_INPUT, "no constraint and no solver \"%s\"%s", clipped, hint);

@@ -4,6 +4,7 @@
  * null removes what the path leads to, as in a JSON merge patch (RFC 7386), but a path that leads
  * to nothing is an error. */
 #include "base/text.h"
+#include "hint.h"
 #include "json_file.h"
 
 #include <errno.h>
@@ -73,7 +74,7 @@ static pdyn_status fail_element(const struct edit *e, const json_t *array, const
         text_append(hint, sizeof hint, " (%s)", clipped);
         if (count < KEYS) names[count++] = name;
     }
-    const char *nearest = text_closest(key, names, count);
+    const char *nearest = hint_closest(key, names, count);
     text_clip(clipped, sizeof clipped, key);
     if (!nearest)
         return fail(e, "no element \"%s\"%s%s", clipped, *hint ? hint : "; the array is empty",
@@ -214,7 +215,7 @@ static pdyn_status fail_missing(const struct edit *e, json_t *container, const c
     if (json_is_array(container)) return fail_element(e, container, key, "");
     text_clip(clipped, sizeof clipped, key);
     json_object_foreach(container, name, value) if (count < KEYS) names[count++] = name;
-    if (count) text_hint(hint, sizeof hint, clipped, names, count);
+    if (count) hint_append(hint, sizeof hint, clipped, names, count);
     return fail(e, "no key \"%s\" to remove%s", clipped, hint);
 }
 

@@ -4,6 +4,7 @@
 #include "angles.h"
 #include "base/text.h"
 #include "geometry/sampling.h"
+#include "hint.h"
 #include "keyed.h"
 #include "misplaced.h"
 #include "table.h"
@@ -58,7 +59,7 @@ static pdyn_status fail_unknown(const struct json_at *at, const pdyn_param *tabl
     if (array && is_known(table, others, array))
         text_append(hint, sizeof hint, "; did you mean \"%s.%s\"?", array, key);
     else if (!misplaced_hint(at, hint, sizeof hint))
-        text_hint(hint, sizeof hint, at->key, names, count);
+        hint_append(hint, sizeof hint, at->key, names, count);
     return json_fail_at_key(at, "unknown key \"%s\"%s", key, hint);
 }
 

@@ -2,6 +2,7 @@
 #include "reader.h"
 
 #include "base/text.h"
+#include "hint.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -29,7 +30,7 @@ pdyn_status reader_fail_word(const struct json_at *at, const char *what, const c
                              int count) {
     char word[WORD], hint[HINT] = "";
     text_clip(word, sizeof word, json_string_value(at->value));
-    text_hint(hint, sizeof hint, word, names, count);
+    hint_append(hint, sizeof hint, word, names, count);
     return json_fail(at, "unknown %s \"%s\"%s%s", what, word, hint, plugin_hint(at, what));
 }
 

@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "forces.h"
 #include "scene/derived.h"
+#include "scene/hint.h"
 #include "scene/keyed.h"
 #include "scene/params.h"
 #include "scene/table.h"
@@ -65,7 +66,7 @@ static pdyn_status fail_unknown(const struct batch *b, const char *name) {
     int count = 0;
     for (const pdyn_param *p = b->type->params; p->name && count < NAMES; p++)
         if (param_is_changeable(b->type, p)) names[count++] = p->name;
-    text_hint(hint, sizeof hint, name, names, count);
+    hint_append(hint, sizeof hint, name, names, count);
     text_clip(clipped, sizeof clipped, name);
     return set_error(PDYN_BAD_INPUT,
                      "constraint \"%s\" on body \"%s\": no parameter \"%s\" that can be changed "
