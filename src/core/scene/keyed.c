@@ -1,7 +1,6 @@
 #include "keyed.h"
 
 #include "base/param_kind.h"
-#include "motion.h"
 #include "params.h"
 
 #include <limits.h>
@@ -11,8 +10,18 @@
 
 bool keyed_given(const struct json_at *at) { return json_is_object(json_array_get(at->value, 0)); }
 
-const pdyn_param keyed_time_param = {
-    "time", PDYN_REAL, 0, true, 0, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "s", ""};
+const pdyn_param keyed_time_param = {.name = "time",
+                                     .kind = PDYN_REAL,
+                                     .required = true,
+                                     .min = -SCENE_MAX_TIME,
+                                     .max = SCENE_MAX_TIME,
+                                     .unit = "s",
+                                     .doc = ""};
+
+pdyn_status keyed_check_time(const struct json_at *at, double before, double time) {
+    if (time > before) return PDYN_OK;
+    return json_fail(at, "expected a time after %.10g s, found %.10g s", before, time);
+}
 
 static pdyn_status read_numbers(const struct json_at *owner, const pdyn_param *p, double *out) {
     struct json_at at = json_member(owner, p->name);
@@ -39,7 +48,8 @@ pdyn_status keyed_read_path(const struct json_at *at, const pdyn_param *param, p
     for (size_t k = 0; k < count && status == PDYN_OK; k++, key += 4) {
         struct json_at element = json_element(at, k);
         status = read_key(&element, param, key);
-        if (status == PDYN_OK && k) status = motion_check_time(&element, key[-4], key[0]);
+        struct json_at time = json_member(&element, keyed_time_param.name);
+        if (status == PDYN_OK && k) status = keyed_check_time(&time, key[-4], key[0]);
     }
     return status;
 }

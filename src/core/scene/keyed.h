@@ -9,6 +9,9 @@
 
 extern const pdyn_param keyed_time_param; /* of a key: "time", s */
 
+/* Checks that the time of a key, s, is after that of the key before. at: the time. */
+pdyn_status keyed_check_time(const struct json_at *at, double before, double time);
+
 /* Whether a parameter of a constraint may have keys: numbers and vectors that can change, and
  * tables with up to three numbers for each part of the body. */
 bool keyed_allowed(const pdyn_constraint_type *type, const pdyn_param *param);

@@ -1,19 +1,18 @@
 #include "motion.h"
 
+#include "keyed.h"
 #include "params.h"
 #include "reader.h"
 
 const pdyn_param scene_key_params[] = {
-    {"time", PDYN_REAL, offsetof(struct scene_key, time), true, 0, -1e6, 1e6, "s", ""},
-    {"translate", PDYN_VECTOR, offsetof(struct scene_key, translate), false, 0, -1e6, 1e6, "m", ""},
-    {"rotate", PDYN_VECTOR, offsetof(struct scene_key, rotate), false, 0, -1e6, 1e6, "degrees", ""},
-    {0}};
-
-pdyn_status motion_check_time(const struct json_at *key, double before, double time) {
-    struct json_at at = json_member(key, "time");
-    if (time > before) return PDYN_OK;
-    return json_fail(&at, "expected a time after %.10g s, found %.10g s", before, time);
-}
+    {"time", PDYN_REAL, offsetof(struct scene_key, time), true, 0, -SCENE_MAX_TIME, SCENE_MAX_TIME,
+     "s", ""},
+    {"translate", PDYN_VECTOR, offsetof(struct scene_key, translate), false, 0, -SCENE_MAX_POSITION,
+     SCENE_MAX_POSITION, "m", ""},
+    {"rotate", PDYN_VECTOR, offsetof(struct scene_key, rotate), false, 0, -SCENE_MAX_ANGLE,
+     SCENE_MAX_ANGLE, "degrees", ""},
+    {0},
+};
 
 static pdyn_status read_keys(const struct json_at *array, struct scene_motion *motion) {
     pdyn_status status = PDYN_OK;
@@ -21,7 +20,9 @@ static pdyn_status read_keys(const struct json_at *array, struct scene_motion *m
         struct json_at at = json_element(array, (size_t)k);
         struct scene_key *key = &motion->key[k];
         status = params_read_object(&at, scene_key_params, key);
-        if (status == PDYN_OK && k) status = motion_check_time(&at, key[-1].time, key->time);
+        if (status != PDYN_OK || !k) continue;
+        struct json_at time = json_member(&at, "time");
+        status = keyed_check_time(&time, key[-1].time, key->time);
     }
     return status;
 }
@@ -33,7 +34,9 @@ pdyn_status motion_read(const struct json_at *owner, struct scene_motion *motion
     pdyn_status status = reader_count(&keys, "an array of keys", &count);
     if (status != PDYN_OK || !keys.value) return status;
     if (!count) return json_expected(&keys, "at least one key");
-    if (pivot.value) status = params_reals(&pivot, 3, -1e6, 1e6, "m", motion->pivot);
+    if (pivot.value)
+        status =
+            params_reals(&pivot, 3, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", motion->pivot);
     if (status != PDYN_OK) return status;
     motion->key = NEW_ARRAY(owner->file->context, count, struct scene_key);
     if (!motion->key) return PDYN_NO_MEMORY;

@@ -10,7 +10,4 @@
 pdyn_status motion_read(const struct json_at *owner, struct scene_motion *motion);
 void motion_free(pdyn_context *context, struct scene_motion *motion);
 
-/* Checks that the time of a key, s, is after that of the key before. */
-pdyn_status motion_check_time(const struct json_at *key, double before, double time);
-
 #endif

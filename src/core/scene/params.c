@@ -160,11 +160,13 @@ pdyn_status params_reals(const struct json_at *at, int count, double min, double
 }
 
 pdyn_status params_box(const struct json_at *at, struct box *box) {
-    static const pdyn_param table[] = {{"minimum", PDYN_VECTOR, offsetof(struct box, min), true, 0,
-                                        -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", ""},
-                                       {"maximum", PDYN_VECTOR, offsetof(struct box, max), true, 0,
-                                        -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", ""},
-                                       {0}};
+    static const pdyn_param table[] = {
+        {"minimum", PDYN_VECTOR, offsetof(struct box, min), true, 0, -SCENE_MAX_POSITION,
+         SCENE_MAX_POSITION, "m", ""},
+        {"maximum", PDYN_VECTOR, offsetof(struct box, max), true, 0, -SCENE_MAX_POSITION,
+         SCENE_MAX_POSITION, "m", ""},
+        {0},
+    };
     pdyn_status status = params_read_object(at, table, box);
     for (int a = 0; a < 3 && status == PDYN_OK; a++) {
         struct json_at maximum = json_member(at, "maximum"),
@@ -178,11 +180,13 @@ pdyn_status params_box(const struct json_at *at, struct box *box) {
 }
 
 pdyn_status params_sphere(const struct json_at *at, struct sphere *sphere) {
-    static const pdyn_param table[] = {{"center", PDYN_VECTOR, offsetof(struct sphere, center),
-                                        true, 0, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", ""},
-                                       {"radius", PDYN_REAL, offsetof(struct sphere, radius), true,
-                                        0, 0, SCENE_MAX_POSITION, "m", ""},
-                                       {0}};
+    static const pdyn_param table[] = {
+        {"center", PDYN_VECTOR, offsetof(struct sphere, center), true, 0, -SCENE_MAX_POSITION,
+         SCENE_MAX_POSITION, "m", ""},
+        {"radius", PDYN_REAL, offsetof(struct sphere, radius), true, 0, 0, SCENE_MAX_POSITION, "m",
+         ""},
+        {0},
+    };
     return params_read_object(at, table, sphere);
 }
 
@@ -210,10 +214,8 @@ static pdyn_status read_path(const struct json_at *at, const pdyn_param *param,
         struct json_at element = json_element(at, k);
         pdyn_status status =
             params_reals(&element, 4, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, unit, key);
+        if (status == PDYN_OK && k) status = keyed_check_time(&element, key[-4], key[0]);
         if (status != PDYN_OK) return status;
-        if (k && !(key[0] > key[-4]))
-            return json_fail(&element, "expected a time after %.10g s, found %.10g s", key[-4],
-                             key[0]);
         angles_note(&element, param->unit, key + 1, 3);
     }
     return PDYN_OK;

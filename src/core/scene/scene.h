@@ -20,6 +20,8 @@ enum {
     MAX_FLUID_PARTICLES = 1 << 25 /* of a fluid: lists have 2^31 entries, 64 for each particle */
 };
 #define SCENE_MAX_POSITION 1e6 /* m, largest coordinate of an object that a scene places */
+#define SCENE_MAX_TIME     1e6 /* s, largest time of a key */
+#define SCENE_MAX_ANGLE    1e6 /* degrees, largest angle of a key */
 
 /* Bounds of a step: a coordinate beyond them, m, or one that changes faster, m/s, has diverged. The
  * formulas of the integrators stay below ten times them, which a saved state may have. */

@@ -20,11 +20,11 @@ static pdyn_status fail(const char *what, const char *expected) {
 static pdyn_status check(struct pdyn_sim *sim, const struct scene_motion *motion, const char *what,
                          const struct scene_key *to) {
     if (!motion->keys) return fail(what, "\"motion\" in the scene, with at least one key");
-    if (!(to->time > sim->time && to->time <= SCENE_MAX_POSITION))
+    if (!(to->time > sim->time && to->time <= SCENE_MAX_TIME))
         return fail(what, "a time after that of the simulation");
     for (int a = 0; a < 3; a++)
         if (!(fabs(to->translate[a]) <= SCENE_MAX_POSITION &&
-              fabs(to->rotate[a]) <= SCENE_MAX_POSITION))
+              fabs(to->rotate[a]) <= SCENE_MAX_ANGLE))
             return fail(what, "finite coordinates and angles up to 1e6");
     return PDYN_OK;
 }
@@ -66,9 +66,9 @@ void given_motion_persist(struct pdyn_sim *sim, struct scene_motion *motion,
     if (file->status == PDYN_OK) file->status = resize_keys(sim, motion, count);
     for (int k = 0; k < count && file->status == PDYN_OK; k++) {
         struct scene_key *key = &motion->key[k];
-        snapshot_file_range(file, &key->time, 1, SCENE_MAX_POSITION, "a time of a key");
+        snapshot_file_range(file, &key->time, 1, SCENE_MAX_TIME, "a time of a key");
         snapshot_file_range(file, key->translate, 3, SCENE_MAX_POSITION, "a translation of a key");
-        snapshot_file_range(file, key->rotate, 3, SCENE_MAX_POSITION, "a rotation of a key");
+        snapshot_file_range(file, key->rotate, 3, SCENE_MAX_ANGLE, "a rotation of a key");
         snapshot_file_require(file, !k || key->time > key[-1].time, "keys are not in order");
     }
 }

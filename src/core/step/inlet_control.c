@@ -47,7 +47,7 @@ static pdyn_status check_speed(struct pdyn_sim *sim, const struct scene_inlet *i
     if (!(speed >= 0.0 && speed <= INLET_MAX_SPEED))
         return set_error(PDYN_BAD_INPUT, "%s: expected a speed from 0 to %g m/s, found %g", what,
                          INLET_MAX_SPEED, speed);
-    if (!(fabs(time) <= SCENE_MAX_POSITION))
+    if (!(fabs(time) <= SCENE_MAX_TIME))
         return set_error(PDYN_BAD_INPUT, "%s: expected a time from -1e6 to 1e6 s, found %g", what,
                          time);
     if (sim->time >= inlet->end)
@@ -83,6 +83,6 @@ void inlet_control_persist(struct pdyn_sim *sim, int inlet, struct snapshot_file
     struct scene_inlet *from = sim->live->inlet[inlet].from;
     given_motion_persist(sim, &from->motion, file);
     persist_speed(sim, &from->speed, file);
-    snapshot_file_range(file, &from->start, 1, SCENE_MAX_POSITION, "the start of an inlet");
+    snapshot_file_range(file, &from->start, 1, SCENE_MAX_TIME, "the start of an inlet");
     snapshot_file_range(file, &from->travelled, 1, STEP_MAX_POSITION, "the way of an inlet");
 }
