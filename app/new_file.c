@@ -1,5 +1,6 @@
 /* Writes a file under a random name and renames it: see new_file.h. */
 #include "new_file.h"
+#include "signals.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -49,13 +50,8 @@ static void remove_and_die(int number) {
 
 /* Lets Ctrl-C remove the file, in commands that do not handle signals themselves. */
 static void remove_on_signal(char *temporary) {
-    const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
     unfinished = temporary;
-    for (int k = 0; k < 3; k++) {
-        struct sigaction now, action = {.sa_handler = remove_and_die};
-        if (sigaction(numbers[k], NULL, &now) == 0 && now.sa_handler == SIG_DFL)
-            sigaction(numbers[k], &action, NULL);
-    }
+    signals_catch_default(remove_and_die);
 }
 
 FILE *new_file_open(const char *path, char **temporary) {

@@ -2,7 +2,7 @@
  * random name beside the target, which is renamed to the target. A symbolic or hard link at the
  * target is replaced, and the file that it leads to stays as it is. A device, a pipe and the names
  * of open descriptors (/dev/stdout, /dev/stderr, /dev/fd/N, /proc/self/fd/N) are written directly.
- * SIGINT, SIGTERM and SIGHUP remove the new file opened last, in commands without own handlers. */
+ * Signals (signals.h) remove the new file opened last, in commands without own handlers. */
 #ifndef NEW_FILE_H
 #define NEW_FILE_H
 

@@ -246,6 +246,11 @@ mkdir "$folder/5% #1"
 cmp "$folder/one.png" "$folder/same.png"
 cmp "$folder/one.png" "$folder/n_010.png" || fail "numbered picture 10 is not frame 10"
 cmp -s "$folder/n_000.png" "$folder/n_010.png" && fail "numbered pictures 0 and 10 are the same"
+(trap '' HUP; exec "$projdyn" render "$run" -o "$folder/nohup_%03d.png" --size 320x240) >/dev/null &
+for _ in $(seq 100); do ls "$folder" | grep -q '^nohup_' && break; sleep 0.1; done
+kill -HUP $!
+wait $! || fail "a render under nohup ended with its terminal"
+[ "$(ls "$folder" | grep -c '^nohup_')" -eq 11 ] || fail "a render under nohup stopped early"
 if command -v ffmpeg >/dev/null; then
     "$projdyn" render "$run" -o "$folder/film.mp4" --size 64x48 >/dev/null
     grep -aq ftypisom "$folder/film.mp4" || fail "no film"

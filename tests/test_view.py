@@ -49,8 +49,8 @@ class View:
         assert found, (self.url, self.process.communicate())
         self.port, self.token = int(found[1]), found[2]
 
-    def end(self):
-        self.process.send_signal(signal.SIGINT)
+    def end(self, by=signal.SIGINT):
+        self.process.send_signal(by)
         out, error = self.process.communicate(timeout=30)
         assert self.process.returncode == 0, (self.process.returncode, error)
         return error
@@ -124,6 +124,11 @@ def test_access(folder):
     if address:
         assert other.connect_ex((address, view.port)), "the server listens at another address"
     view.end()
+
+
+def test_signals(folder):
+    for number in signal.SIGTERM, signal.SIGHUP:
+        View(folder, sheet(4)).end(number)
 
 
 def test_messages(folder):
@@ -357,7 +362,7 @@ def test_speed(folder):
     page.close()
 
 
-tests = [test_access, test_messages, test_bad_scene, test_points, test_failed_step]
+tests = [test_access, test_signals, test_messages, test_bad_scene, test_points, test_failed_step]
 if subprocess.run([projdyn, "view"], capture_output=True, text=True).stderr.count("this build has no live view"):
     print("skipped: this build has no live view")
     sys.exit(77)

@@ -5,6 +5,7 @@
 #include "film.h"
 #include "replay_page.h"
 #include "run_directory.h"
+#include "signals.h"
 #include "temporary_folder.h"
 #include "water_surface.h"
 
@@ -198,12 +199,9 @@ static volatile sig_atomic_t stopped;
 
 static void on_signal(int number) { stopped = number; }
 
-/* Ctrl-C and SIGTERM end the command after the current frame, so that it removes its temporary
- * files. */
+/* A signal ends the command after the current frame, so that it removes its temporary files. */
 static void catch_signals(void) {
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
-    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
-    for (int k = 0; k < 3; k++) sigaction(numbers[k], &action, NULL);
+    signals_catch(on_signal, SA_RESTART);
     signal(SIGPIPE, SIG_IGN); /* a program that ends early shows as an error of write() */
 }
 

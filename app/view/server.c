@@ -2,6 +2,7 @@
 #include "server.h"
 #include "open_browser.h"
 #include "session.h"
+#include "signals.h"
 
 #include <libwebsockets.h>
 #include <signal.h>
@@ -211,9 +212,7 @@ static int listen_at(struct server *server, int port) {
 }
 
 static void catch_signals(void) {
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESETHAND};
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+    signals_catch(on_signal, SA_RESETHAND);
     signal(SIGPIPE, SIG_IGN);
 }
 

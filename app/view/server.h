@@ -10,8 +10,8 @@ struct server_options {
     bool open_browser;
 };
 
-/* Serves the page, text with its NUL, and the simulation until SIGINT or SIGTERM. Prints the URL
- * to stdout. Returns an exit code, after a message unless it is EXIT_GOOD. */
+/* Serves the page, text with its NUL, and the simulation until a signal (signals.h). Prints the
+ * URL to stdout. Returns an exit code, after a message unless it is EXIT_GOOD. */
 int server_run(struct live *live, const char *page, const struct server_options *options);
 
 #endif
