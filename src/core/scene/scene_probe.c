@@ -65,8 +65,21 @@ static pdyn_status read_region(struct reader *r, const struct json_at *at,
     return params_box(at, &probe->box);
 }
 
+struct objects { /* all solids or all bodies of a scene */
+    const char *kind;
+    int count;
+    const char *(*name)(const struct scene *scene, int k);
+};
+
 static const char *name_of_solid(const struct scene *scene, int s) { return scene->solid[s].name; }
 static const char *name_of_body(const struct scene *scene, int b) { return scene->body[b].name; }
+
+static struct objects solids_of(const struct scene *scene) {
+    return (struct objects){"solid", scene->solids, name_of_solid};
+}
+static struct objects bodies_of(const struct scene *scene) {
+    return (struct objects){"body", scene->bodies, name_of_body};
+}
 
 /* "on": the solid or the rigid body that carries the place of the probe. */
 static pdyn_status read_on(struct reader *r, const struct json_at *at, struct scene_probe *probe) {
@@ -89,41 +102,40 @@ static pdyn_status read_on(struct reader *r, const struct json_at *at, struct sc
     return status;
 }
 
-/* The name of a body where that of a solid is expected, or the reverse. */
-static pdyn_status check_kind(struct reader *r, const struct json_at *at, int count,
-                              const char *(*name)(const struct scene *scene, int k),
-                              const char *kind) {
+/* Refuses the name of a body where that of a solid is expected, or the reverse. others: those that
+ * are not expected. */
+static pdyn_status check_kind(struct reader *r, const struct json_at *at, struct objects others) {
     const char *word = json_string_value(at->value);
-    for (int k = 0; word && k < count; k++)
-        if (!strcmp(word, name(r->scene, k)))
-            return json_fail(at, "\"%s\" is a %s, expected the key \"%s\"", word, kind, kind);
+    for (int k = 0; word && k < others.count; k++)
+        if (!strcmp(word, others.name(r->scene, k)))
+            return json_fail(at, "\"%s\" is a %s, expected the key \"%s\"", word, others.kind,
+                             others.kind);
     return PDYN_OK;
 }
 
-static pdyn_status read_target(struct reader *r, const struct json_at *at, const char *what,
-                               int count, const char *(*name)(const struct scene *scene, int k),
+static pdyn_status read_target(struct reader *r, const struct json_at *at, struct objects among,
                                struct scene_probe *probe) {
-    const char **names = NEW_ARRAY(r->context, count, const char *);
+    const char **names = NEW_ARRAY(r->context, among.count, const char *);
     if (!names) return PDYN_NO_MEMORY;
-    for (int k = 0; k < count; k++) names[k] = name(r->scene, k);
-    pdyn_status status = reader_choice(at, what, names, count, &probe->target);
-    FREE_ARRAY(r->context, names, count);
+    for (int k = 0; k < among.count; k++) names[k] = among.name(r->scene, k);
+    pdyn_status status = reader_choice(at, among.kind, names, among.count, &probe->target);
+    FREE_ARRAY(r->context, names, among.count);
     return status;
 }
 
 static pdyn_status read_solid(struct reader *r, const struct json_at *at,
                               struct scene_probe *probe) {
-    pdyn_status status = check_kind(r, at, r->scene->bodies, name_of_body, "body");
+    pdyn_status status = check_kind(r, at, bodies_of(r->scene));
     if (status != PDYN_OK) return status;
     if (!r->scene->solids) return json_fail_at_key(at, "\"solid\" needs a scene with solids");
-    return read_target(r, at, "solid", r->scene->solids, name_of_solid, probe);
+    return read_target(r, at, solids_of(r->scene), probe);
 }
 
 static pdyn_status read_body(struct reader *r, const struct json_at *at,
                              struct scene_probe *probe) {
-    pdyn_status status = check_kind(r, at, r->scene->solids, name_of_solid, "solid");
+    pdyn_status status = check_kind(r, at, solids_of(r->scene));
     if (status != PDYN_OK) return status;
-    return read_target(r, at, "body", r->scene->bodies, name_of_body, probe);
+    return read_target(r, at, bodies_of(r->scene), probe);
 }
 
 /* The same of a body that has a constraint with this flag, such as `example`. */

@@ -180,3 +180,10 @@ void live_particles_step(struct pdyn_sim *sim) {
 int live_particles_count(const struct pdyn_sim *sim, int body) {
     return sim->body[body].count - (sim->live ? sim->live->vacant[body] : 0);
 }
+
+double live_mass(const struct pdyn_sim *sim) {
+    double mass = 0.0;
+    for (int i = 0; i < sim->objective.particles; i++)
+        if (particle_is_live(sim, i)) mass += sim->objective.mass[i];
+    return mass;
+}

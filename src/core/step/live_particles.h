@@ -65,6 +65,9 @@ static inline bool particle_is_live(const struct pdyn_sim *sim, int i) {
     return !sim->live || sim->live->live[i];
 }
 
+/* Mass of all live particles, kg. */
+double live_mass(const struct pdyn_sim *sim);
+
 /* Whether an inlet moves the particle. */
 static inline bool particle_is_pushed(const struct pdyn_sim *sim, int i) {
     return sim->live && sim->live->inlets && sim->live->pusher[i];

@@ -69,14 +69,14 @@ static pdyn_status prepare_lists(struct pdyn_sim *sim) {
  * anchoring constraints the step must conserve momentum exactly. */
 static pdyn_status restore_momentum(struct pdyn_sim *sim) {
     struct objective *objective = &sim->objective;
-    double moved[3] = {0}, mass = 0.0, energy;
+    double moved[3] = {0}, energy;
     if (sim->anchored) return PDYN_OK;
     for (int i = 0; i < objective->particles; i++) {
         if (!particle_is_live(sim, i)) continue;
-        mass += objective->mass[i];
         for (int a = 0; a < 3; a++)
             moved[a] += objective->mass[i] * (sim->x_next[3 * i + a] - objective->s[3 * i + a]);
     }
+    double mass = live_mass(sim);
     for (int k = 0; k < 3 * objective->particles; k++)
         if (particle_is_live(sim, k / 3)) sim->x_next[k] -= moved[k % 3] / mass;
     return objective_local(objective, sim->x_next, &energy, sim->gradient);

@@ -14,10 +14,8 @@
 /* Subtracts momentum, N s, that rounding has added to a system whose constraints cannot, so that it
  * does not accumulate over many steps. */
 static void subtract_momentum(struct pdyn_sim *sim, const double excess[3]) {
-    double mass = 0.0;
     if (sim->anchored) return;
-    for (int i = 0; i < sim->objective.particles; i++)
-        if (particle_is_live(sim, i)) mass += sim->objective.mass[i];
+    double mass = live_mass(sim);
     for (int k = 0; k < 3 * sim->objective.particles; k++)
         if (particle_is_live(sim, k / 3)) sim->v[k] -= excess[k % 3] / mass;
 }
@@ -41,13 +39,11 @@ static void compute_velocities(struct pdyn_sim *sim, const double *from, double 
 
 /* Mean velocity of the system; 0 if a constraint can change the momentum. */
 static void mean_velocity(const struct pdyn_sim *sim, double mean[3]) {
-    double mass = 0.0;
     mean[0] = mean[1] = mean[2] = 0.0;
-    for (int i = 0; i < sim->objective.particles && !sim->anchored; i++) {
-        if (!particle_is_live(sim, i)) continue;
-        mass += sim->objective.mass[i];
-        vec3_add(mean, sim->objective.mass[i], sim->v + 3 * i);
-    }
+    if (sim->anchored) return;
+    for (int i = 0; i < sim->objective.particles; i++)
+        if (particle_is_live(sim, i)) vec3_add(mean, sim->objective.mass[i], sim->v + 3 * i);
+    double mass = live_mass(sim);
     for (int a = 0; a < 3 && mass > 0.0; a++) mean[a] /= mass;
 }
 
