@@ -94,9 +94,5 @@ int part_frames(const struct run *run, const struct part *part);
  * with a skin gives the points and triangles of the skin. */
 int part_read_frame(const struct run *run, const struct part *part, int f, char path[RUN_PATH],
                     struct vtk_frame *frame);
-/* The command `projdyn NAME DIR [-o FILE]` (argv[0]: NAME), whose `write` opens the run and writes
- * FILE; by default DIR/`file`. */
-int run_to_file(int argc, char **argv, const char *usage, const char *file,
-                int (*write)(struct run *run, const char *output));
 
 #endif

@@ -2,7 +2,7 @@
  * Houdini, Maya and other programs. */
 #include "app.h"
 #include "new_file.h"
-#include "run_directory.h"
+#include "run_to_file.h"
 #include "usd_look.h"
 
 #include <ctype.h>

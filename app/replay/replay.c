@@ -1,6 +1,7 @@
 /* projdyn replay: packs the frames of a run into one HTML page. */
 #include "replay_page.h"
 #include "replay_run.h"
+#include "run_to_file.h"
 
 #include <string.h>
 
