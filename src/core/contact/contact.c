@@ -215,7 +215,7 @@ static bool regions_are_valid(const struct contact *c) {
     bool valid = true;
     for (int i = 0; i < c->points; i++) {
         double far = 0.0, size = 0.0;
-        if (i >= c->vertices && i < c->free && box_is_empty(&c->broad.region[i])) continue;
+        if (is_particle(c, i) && box_is_empty(&c->broad.region[i])) continue;
         for (int a = 0; a < 3; a++) {
             double low = c->broad.built[3 * i + a] - c->broad.region[i].min[a];
             double high = c->broad.region[i].max[a] - c->broad.built[3 * i + a];

@@ -140,7 +140,7 @@ pdyn_status contact_find(struct contact *c) {
 
 /* The barrier acts on particles of fluids, friction does not. */
 static bool has_fluid(const struct contact *c, const struct stencil *s) {
-    return s->point[0] >= c->vertices && s->point[0] < c->free;
+    return is_particle(c, s->point[0]);
 }
 
 /* What solids add to the shortest vector on their way to their goals. */

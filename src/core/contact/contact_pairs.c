@@ -31,8 +31,7 @@ static double distance_in(const struct pair *p, const double *x) {
 
 /* Whether the pair is a particle of a fluid and a face that it passes. */
 static bool is_passed(const struct contact *c, const struct pair *p) {
-    int a = p->point[0];
-    return a >= c->vertices && a < c->free && c->permeable[c->group[p->point[3]]];
+    return is_particle(c, p->point[0]) && c->permeable[c->group[p->point[3]]];
 }
 
 /* Distance in the rest shape, over the thickness, up to which two parts of a body count as joined:

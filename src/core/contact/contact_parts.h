@@ -220,9 +220,17 @@ void contact_follow_solids(struct contact *contact);
 
 void contact_list_free(pdyn_context *context, struct contact_list *list);
 
+/* Whether the point is a particle of a fluid. */
+static inline bool is_particle(const struct contact *contact, int point) {
+    return point >= contact->vertices && point < contact->free;
+}
+
 static inline const struct pair_kind *pair_kind_of(uint64_t key) {
     return key >> 63 ? &pair_edge_edge : &pair_vertex_face;
 }
+
+/* The number of the second primitive of a pair. */
+static inline int pair_second(const struct pair *p) { return (int)(p->key & 0xFFFFFFFFu); }
 
 /* The sum of the largest numbers of the points of both primitives: an upper bound of how far they
  * approach each other where the numbers are how far the points move. */

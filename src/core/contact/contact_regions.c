@@ -17,7 +17,7 @@ static const double margin_size = 0.5;
 
 /* Whether the point is a particle that does not exist: not yet emitted, or removed. */
 static bool is_absent(const struct contact *c, int point) {
-    return c->live && point >= c->vertices && point < c->free && !c->live[c->column[point]];
+    return c->live && is_particle(c, point) && !c->live[c->column[point]];
 }
 
 /* Whether the region of point i contains it and its displacement; that of an absent one is empty.

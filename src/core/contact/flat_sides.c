@@ -120,14 +120,14 @@ pdyn_status contact_find_flat_sides(struct contact *c) {
 
 uint64_t contact_key(const struct contact *c, const struct pair *p) {
     if (pair_kind_of(p->key) != &pair_vertex_face) return p->key;
-    uint64_t face = p->key & 0xFFFFFFFFu;
-    return p->key - face + (uint64_t)c->flat.part[face];
+    int face = pair_second(p);
+    return p->key - (uint64_t)face + (uint64_t)c->flat.part[face];
 }
 
 void contact_side(const struct contact *c, const struct pair *p, double side[3]) {
     const int *end = p->point + 2; /* of two edges */
     if (pair_kind_of(p->key) == &pair_vertex_face)
-        end = c->face + 3 * (size_t)c->flat.part[p->key & 0xFFFFFFFFu];
+        end = c->face + 3 * (size_t)c->flat.part[pair_second(p)];
     vec3_subtract(side, c->at + 3 * (size_t)end[1], c->at + 3 * (size_t)end[0]);
 }
 
@@ -145,7 +145,7 @@ static double weight_beyond(const struct contact *c, int face, int beyond, const
 
 bool contact_is_beyond_flat_side(const struct contact *c, const struct pair *p,
                                  const struct hit *hit) {
-    int face = (int)(p->key & 0xFFFFFFFFu);
+    int face = pair_second(p);
     if (pair_kind_of(p->key) != &pair_vertex_face) return false;
     for (int k = 0; k < 3; k++) {
         int other = c->flat.across[3 * face + k];
