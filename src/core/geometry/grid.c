@@ -54,11 +54,13 @@ static int64_t key_of(const struct grid *grid, const int cell[3]) {
            grid->pitch[1] * ((int64_t)cell[2] - grid->low[2]);
 }
 
-/* Computes the bounding box of the cells in use. Keys number its cells; a margin of one cell keeps
- * runs along x from wrapping around its ends. */
-static pdyn_status find_box(struct grid *grid, const int *id, const double *x) {
-    int low[3] = {GRID_RANGE, GRID_RANGE, GRID_RANGE},
-        high[3] = {-GRID_RANGE, -GRID_RANGE, -GRID_RANGE};
+/* Computes the bounding box of the cells in use, of one cell without points. */
+static pdyn_status find_box(const struct grid *grid, const int *id, const double *x, int low[3],
+                            int high[3]) {
+    for (int a = 0; a < 3; a++) {
+        low[a] = grid->points ? GRID_RANGE : 0;
+        high[a] = grid->points ? -GRID_RANGE : 0;
+    }
     for (int k = 0; k < grid->points; k++) {
         int cell[3], i = id ? id[k] : k;
         const double *at = x + 3 * (size_t)i;
@@ -74,9 +76,14 @@ static pdyn_status find_box(struct grid *grid, const int *id, const double *x) {
             if (cell[a] > high[a]) high[a] = cell[a];
         }
     }
+    return PDYN_OK;
+}
+
+/* Numbers the cells of the bounding box by their keys; a margin of one cell keeps runs along x from
+ * wrapping around its ends. */
+static pdyn_status number_cells(struct grid *grid, const int low[3], const int high[3]) {
     int64_t span[3];
     for (int a = 0; a < 3; a++) {
-        if (!grid->points) low[a] = high[a] = 0; /* no points: any cell will do */
         grid->low[a] = low[a] - 1;
         span[a] = (int64_t)high[a] - low[a] + 3;
     }
@@ -136,8 +143,10 @@ static void fill_table(struct grid *grid) {
 }
 
 pdyn_status grid_sort(struct grid *grid, int points, const int *id, const double *x) {
+    int low[3], high[3];
     grid->points = points;
-    pdyn_status status = find_box(grid, id, x);
+    pdyn_status status = find_box(grid, id, x, low, high);
+    if (status == PDYN_OK) status = number_cells(grid, low, high);
     if (status != PDYN_OK) return status;
     for (int k = 0; k < points; k++) {
         int cell[3];
