@@ -2,80 +2,11 @@
  * are x, y, z of "vertex", for a mesh the list of corners of "face", for particles vx, vy, vz. All
  * other properties are skipped. */
 #include "mesh_file.h"
+#include "ply_number.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
-
-/* ---- types of numbers ------------------------------------------------------------------------ */
-
-static double from_int8(uint64_t bits) { return (int8_t)bits; }
-static double from_int16(uint64_t bits) { return (int16_t)bits; }
-static double from_int32(uint64_t bits) { return (int32_t)bits; }
-static double from_unsigned(uint64_t bits) { return (double)bits; }
-
-struct type {
-    const char *name, *alias;
-    size_t size;
-    double (*decode)(uint64_t bits);
-    bool whole;
-    double min, max; /* range of an integer type */
-};
-static const struct type types[] = {
-    {"char", "int8", 1, from_int8, true, INT8_MIN, INT8_MAX},
-    {"uchar", "uint8", 1, from_unsigned, true, 0, UINT8_MAX},
-    {"short", "int16", 2, from_int16, true, INT16_MIN, INT16_MAX},
-    {"ushort", "uint16", 2, from_unsigned, true, 0, UINT16_MAX},
-    {"int", "int32", 4, from_int32, true, INT32_MIN, INT32_MAX},
-    {"uint", "uint32", 4, from_unsigned, true, 0, UINT32_MAX},
-    {"float", "float32", 4, scan_float, false, 0, 0},
-    {"double", "float64", 8, scan_double, false, 0, 0},
-};
-
-/* ---- formats: how a number is written -------------------------------------------------------- */
-
-static bool is_whole(double value, double min, double max) {
-    return value >= min && value <= max && value == floor(value);
-}
-
-/* Returns false if the next word is not such a number; `found` is that word. */
-static bool read_text(struct mesh_file *file, const struct type *type, double *value,
-                      struct word *found) {
-    *found = scan_word(&file->in);
-    return word_number(*found, value) && (!type->whole || is_whole(*value, type->min, type->max));
-}
-
-static bool read_bytes(struct mesh_file *file, const struct type *type, bool big, double *value) {
-    file->in.last = file->in.at;
-    if ((size_t)(file->in.data + file->in.size - file->in.at) < type->size) return false;
-    *value = type->decode(scan_bits(file->in.at, type->size, big));
-    file->in.at += type->size;
-    return true;
-}
-
-static bool read_little(struct mesh_file *file, const struct type *type, double *value,
-                        struct word *found) {
-    *found = (struct word){0};
-    return read_bytes(file, type, false, value);
-}
-
-static bool read_big(struct mesh_file *file, const struct type *type, double *value,
-                     struct word *found) {
-    *found = (struct word){0};
-    return read_bytes(file, type, true, value);
-}
-
-struct format {
-    const char *name;
-    bool binary;
-    bool (*read)(struct mesh_file *file, const struct type *type, double *value,
-                 struct word *found);
-};
-static const struct format formats[] = {
-    {"ascii", false, read_text},
-    {"binary_little_endian", true, read_little},
-    {"binary_big_endian", true, read_big},
-};
 
 /* ---- the header ------------------------------------------------------------------------------ */
 
@@ -103,8 +34,8 @@ enum { WANTED = sizeof wanted / sizeof *wanted };
 
 struct property {
     struct word name;
-    const struct type *type;
-    const struct type *length; /* type of the length of a list; NULL: not a list */
+    const struct ply_type *type;
+    const struct ply_type *length; /* type of the length of a list; NULL: not a list */
     int slot;
 };
 
@@ -117,7 +48,7 @@ struct element {
 
 struct ply {
     struct mesh_file *file;
-    const struct format *format;
+    const struct ply_format *format;
     struct mesh_array element, property;
     size_t elements, properties;
     int slots;
@@ -128,8 +59,7 @@ static int shown(struct word word) { return word.length < 40 ? (int)word.length 
 
 static pdyn_status read_format(struct ply *ply) {
     struct word name = scan_word(&ply->file->in);
-    for (size_t k = 0; k < sizeof formats / sizeof *formats; k++)
-        if (word_is(name, formats[k].name)) ply->format = &formats[k];
+    ply->format = ply_find_format(name);
     if (!ply->format)
         return scan_expected(&ply->file->in,
                              "format ascii, binary_little_endian or binary_big_endian", name);
@@ -143,19 +73,13 @@ static pdyn_status read_element(struct ply *ply) {
     if (!element.name.length) return scan_expected(&ply->file->in, "an element name", element.name);
     struct word count = scan_word(&ply->file->in);
     double value;
-    if (!word_number(count, &value) || !is_whole(value, 0, 1e15))
+    if (!word_number(count, &value) || !(value >= 0 && value <= 1e15 && value == floor(value)))
         return scan_expected(&ply->file->in, "a number of elements", count);
     element.count = (int64_t)value;
     if (!mesh_file_reserve(ply->file, &ply->element, (ply->elements + 1) * sizeof element))
         return PDYN_NO_MEMORY;
     ((struct element *)ply->element.data)[ply->elements++] = element;
     return PDYN_OK;
-}
-
-static const struct type *find_type(struct word word) {
-    for (size_t k = 0; k < sizeof types / sizeof *types; k++)
-        if (word_is(word, types[k].name) || word_is(word, types[k].alias)) return &types[k];
-    return NULL;
 }
 
 static bool is_wanted(const struct ply *ply, int k) {
@@ -190,12 +114,12 @@ static pdyn_status read_property(struct ply *ply) {
     struct word word = scan_word(&ply->file->in);
     if (word_is(word, "list")) {
         word = scan_word(&ply->file->in);
-        property.length = find_type(word);
+        property.length = ply_find_type(word);
         if (!property.length || !property.length->whole)
             return scan_expected(&ply->file->in, "an integer type for the list's length", word);
         word = scan_word(&ply->file->in);
     }
-    property.type = find_type(word);
+    property.type = ply_find_type(word);
     if (!property.type) return scan_expected(&ply->file->in, "a type such as float or int", word);
     property.name = scan_word(&ply->file->in);
     if (!property.name.length)
@@ -291,9 +215,9 @@ struct place { /* the current element, for error messages */
 };
 
 static pdyn_status read_value(const struct ply *ply, struct place place, const struct property *p,
-                              const struct type *type, double *value) {
+                              const struct ply_type *type, double *value) {
     struct word found;
-    if (ply->format->read(ply->file, type, value, &found)) return PDYN_OK;
+    if (ply->format->read(&ply->file->in, type, value, &found)) return PDYN_OK;
     char what[200];
     struct word name = place.element->name;
     snprintf(what, sizeof what, "%s for '%.*s' of %.*s %" PRId64 " (of %" PRId64 ")", type->name,
