@@ -2,6 +2,7 @@
  * plug-in. */
 #include "scene_options.h"
 #include "scene_summary.h"
+#include "time_estimate.h"
 
 #include "projdyn/conformance.h"
 

@@ -1,5 +1,5 @@
 /* What `projdyn check` prints about a scene: its bodies with sizes, masses and velocities,
- * constraints, solids, gravity, solver, memory, and how long a run takes. */
+ * constraints, solids, gravity, solver, memory. */
 #ifndef SCENE_SUMMARY_H
 #define SCENE_SUMMARY_H
 
@@ -7,9 +7,5 @@
 
 /* Returns EXIT_GOOD, or EXIT_FAILED after a message without memory. */
 int print_scene_summary(const pdyn_context *context, const pdyn_sim *sim);
-
-/* Makes the first steps of the scene and prints an estimate of the time that a run takes. Returns
- * EXIT_GOOD, or EXIT_FAILED after a message if a step failed. */
-int print_time_estimate(const pdyn_context *context, pdyn_sim *sim);
 
 #endif
