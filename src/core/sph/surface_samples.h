@@ -77,6 +77,13 @@ static inline void samples_normal(const struct surface_samples *samples, int k, 
     vec3_normal(n, x + 3 * (size_t)corner[0], x + 3 * (size_t)corner[1], x + 3 * (size_t)corner[2]);
 }
 
+/* Area of the triangle of sample k at x, m^2. */
+static inline double samples_area(const struct surface_samples *samples, int k, const double *x) {
+    double n[3];
+    samples_normal(samples, k, x, n);
+    return 0.5 * vec3_length(n);
+}
+
 /* Call after the lists were built, near: numbers of points (neighbours.h). Finds the active
  * samples. All functions below except samples_update_volumes use active samples only. */
 void samples_update_active(struct surface_samples *samples, const pdyn_neighbours *lists,
