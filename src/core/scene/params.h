@@ -9,6 +9,8 @@
 
 struct sphere;
 
+/* ---- keys: param_keys.c ---------------------------------------------------------------------- */
+
 /* Checks that `object` is an object and each key is in `table` (NULL: no table) or in `others`,
  * which ends with NULL. */
 pdyn_status params_check_keys(const struct json_at *object, const pdyn_param *table,
@@ -17,6 +19,8 @@ pdyn_status params_check_keys(const struct json_at *object, const pdyn_param *ta
 /* Checks that `object` has at most one of the keys in `names`, which ends with NULL (names NULL: no
  * check). */
 pdyn_status params_check_alternatives(const struct json_at *object, const char *const *names);
+
+/* ---- by tables: params.c --------------------------------------------------------------------- */
 
 /* Fills `params` by the table; a missing object gives all defaults. Vertex selections, paths,
  * tables and names are zeroed before, and are allocated: params_free frees them, after a failure,
@@ -27,6 +31,8 @@ pdyn_status params_read(const struct json_at *object, const pdyn_param *table,
 /* Checks that `object` is an object with keys of the table only, and reads it. */
 pdyn_status params_read_object(const struct json_at *object, const pdyn_param *table, void *params);
 void params_free(pdyn_context *context, const pdyn_param *table, void *params);
+
+/* ---- numbers: param_numbers.c ---------------------------------------------------------------- */
 
 /* Appends e.g. "WHAT from 1 to 2 m". */
 void params_describe_bounds(char *text, size_t size, const char *what, double min, double max,
