@@ -59,9 +59,9 @@ struct pdyn_sim {
     double *gradient;        /* particles x 3: gradient of E at the iterate, N */
     double *max_step; /* particles, then samples, m: largest displacement of an iterate; NULL:
                          none */
-    /* particles x 3: scratch of the minimisation; rhs: minus the gradient of the model. Between two
-     * minimisations they are free: impacts.c, velocities.c, forces.c and solid_load.c overwrite
-     * them. */
+    /* particles x 3: scratch of the minimisation; rhs: minus the gradient of the model, and scratch
+     * of stop_paths. Between two minimisations they are free: impacts.c, velocities.c, forces.c,
+     * solid_load.c and probe_wall.c overwrite them. */
     double *trial, *trial_gradient, *direction, *rhs;
     struct solver_view model; /* the solver's view of the objective */
     struct solver_choice choice;
