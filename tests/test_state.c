@@ -102,9 +102,35 @@ static void test_saved(void **state) {
     test_remove_file("state");
 }
 
+/* Edges grow by half of their length per second. */
+static void grow(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) ((double *)b->memory)[e] += 0.5 * b->length;
+}
+
+/* State may give energy: no step of a free sheet that grows is refused, and none is warned of. */
+static void test_growth(void **state) {
+    (void)state;
+    pdyn_constraint_type type = *pdyn_plugin_table.constraints[0];
+    type.end = grow;
+    const pdyn_constraint_type *const types[] = {&type, NULL};
+    const pdyn_plugin plugin = {PDYN_ABI, "growth", types, NULL};
+    pdyn_context *context = test_context(1);
+    assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
+    pdyn_sim *sim =
+        test_load(context, "{'duration': 1, 'gravity': [0, 0, 0], 'bodies': [{'name': 'sheet', "
+                           "'surface': {'grid': {'size': [1, 1], 'vertices': [5, 5]}, "
+                           "'area_density': 1}, 'constraints': [{'type': 'plastic', "
+                           "'stiffness': 1000}]}]}");
+    while (pdyn_time(sim) < 0.3) assert_int_equal(test_step(context, sim).retries, 0);
+    assert_null(pdyn_get_warning(sim, 0).code);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_repeated),
                                        cmocka_unit_test(test_parameters),
-                                       cmocka_unit_test(test_saved)};
+                                       cmocka_unit_test(test_saved), cmocka_unit_test(test_growth)};
     return cmocka_run_group_tests_name("state", tests, test_enter_directory, test_leave_directory);
 }

@@ -3,6 +3,7 @@
 #include "support.h"
 
 #include "projdyn/control.h"
+#include "projdyn/module.h"
 
 #include <string.h>
 
@@ -715,6 +716,57 @@ static void test_drawn(void **state) {
     assert_false(warns(SCENE(STEPS, DRAWN("0.1", "0.2"), ""), "too-light", "sheet"));
 }
 
+/* ---- the path of a place, which is no path of points ----------------------------------------- */
+
+static const pdyn_param place_params[] = {
+    {"path", PDYN_PATH, 0, true, 0, 0, 0, "m", "places of a sphere that attracts"}, {0}};
+
+static int place_elements(const void *par, const pdyn_body *body) {
+    (void)par;
+    return body->count;
+}
+
+static void place_select(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) b->column[e] = b->body->first + e, b->coefficient[e] = 1.0;
+}
+
+static void place_weight(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) b->weight[e] = 1.0;
+}
+
+static void place_project(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    memset(b->p + 3 * (size_t)first, 0, 3 * (size_t)(last - first) * sizeof *b->p);
+}
+
+/* A plug-in's path of this name may have places: only that of held points has displacements. */
+static void test_places(void **state) {
+    (void)state;
+    const pdyn_constraint_type type = {.name = "attract",
+                                       .summary = "attracts points to a place",
+                                       .flags = PDYN_ANCHORED,
+                                       .params_size = sizeof(pdyn_path),
+                                       .params = place_params,
+                                       .elements = place_elements,
+                                       .rows = 1,
+                                       .width = 1,
+                                       .select = place_select,
+                                       .weight = place_weight,
+                                       .project = place_project};
+    const pdyn_constraint_type *const types[] = {&type, NULL};
+    const pdyn_plugin plugin = {PDYN_ABI, "attract", types, NULL};
+    pdyn_context *context = test_context(1);
+    assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
+    pdyn_sim *sim =
+        test_load(context, SCENE(STEPS, SHEET("{'type': 'attract', 'path': [[0, 0, 5, 0]]}"), ""));
+    test_step(context, sim);
+    assert_null(find_warning(sim, "unusual", "sheet").code);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 #define WATER_AT(x0, x1) FLUID_BOX("'name': 'far', ", "0.01", x0 ", 0, 0", x1 ", 0.1, 0.1", "")
 #define SHEET_FAR(x)                                                                               \
     GRID_SHEET("'name': 'far', ", "0.16, 0.16", "9, 9",                                            \
@@ -830,6 +882,7 @@ int main(void) {
         cmocka_unit_test(test_press),
         cmocka_unit_test(test_pressed),
         cmocka_unit_test(test_pinned_flat),
+        cmocka_unit_test(test_places),
         cmocka_unit_test(test_gaps),
         cmocka_unit_test(test_without_elements),
         cmocka_unit_test(test_no_stiffness),

@@ -52,7 +52,8 @@ static bool has_path(const struct scene_constraint *c) {
 }
 
 static bool is_source(const struct scene_constraint *c) {
-    return (c->type->flags & PDYN_LOSSY) || c->type->begin || c->type->update || has_path(c);
+    const pdyn_constraint_type *type = c->type;
+    return (type->flags & PDYN_LOSSY) || type->begin || type->update || type->end || has_path(c);
 }
 
 /* Whether a constraint that has not ended gives energy. */

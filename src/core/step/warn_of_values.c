@@ -144,7 +144,7 @@ static void check_start(struct pdyn_sim *sim, int b, const char *type, const pdy
 
 const pdyn_path *warn_path(const struct scene_constraint *c) {
     for (const pdyn_param *p = c->type->params; p->name; p++)
-        if (!strcmp(p->name, "path") && c->type->flags & PDYN_ANCHORED)
+        if (!strcmp(p->name, "path") && c->type->flags & PDYN_REACTION)
             return param_path(p, c->params);
     return NULL;
 }

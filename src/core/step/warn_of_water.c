@@ -69,8 +69,7 @@ static bool is_drawn(const struct pdyn_sim *sim, int b, const pdyn_body *fluid) 
     bool strip = mesh_area(&body->mesh) <= narrow * 2.0 * fluid->radius * box_extent(&box);
     if (strip || !is_dry(sim, b, fluid)) return false;
     for (int k = 0; k < body->constraints; k++) {
-        const struct scene_constraint *c = &body->constraint[k];
-        const pdyn_path *path = c->type->flags & PDYN_REACTION ? warn_path(c) : NULL;
+        const pdyn_path *path = warn_path(&body->constraint[k]);
         if (path && leads_into(sim, path, &box, fluid)) return true;
     }
     return false;
