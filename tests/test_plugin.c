@@ -163,6 +163,7 @@ static void test_parameters(void **state) {
     refuse_table(PDYN_TABLE(PDYN_ROWS, 0), 0, "no numbers");
     refuse_table(PDYN_TABLE(PDYN_ROWS, 1), 2, "not ordered");
     refuse_param((pdyn_param){"l", PDYN_INT, length, false, 9, 0, 1, "", ""}, "above its bounds");
+    refuse_param((pdyn_param){"l", PDYN_INT, length, false, 0.5, 0, 1, "", ""}, "a fraction");
     refuse_table(PDYN_TABLE(PDYN_PER_TET, 256), 0, "kind");
 }
 

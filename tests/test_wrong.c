@@ -280,6 +280,59 @@ static void test_weights_that_change(void **state) {
     t.weight = weight_of_memory, expect_begin(t, "weight depends on `memory`");
 }
 
+/* ---- state outside of memory ----------------------------------------------------------------- */
+
+static void begin_largest(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++)
+        ((double *)b->data)[e] = fmax(length(b, e), vec3_length(b->u + 3 * e));
+}
+
+static void begin_smallest(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++)
+        ((double *)b->data)[e] = fmin(length(b, e), vec3_length(b->u + 3 * e));
+}
+
+static double step_length;
+
+static void begin_variable(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par, (void)first, (void)last;
+    step_length = b->h;
+}
+
+static void weight_of_variable(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++)
+        b->weight[e] = ((const struct params *)par)->stiffness / (1.0 + step_length);
+}
+
+static void project_variable(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++)
+        vec3_project_length(b->p + 3 * e, b->u + 3 * e, length(b, e) * (1.0 + step_length));
+}
+
+static void project_time(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++)
+        vec3_project_length(b->p + 3 * e, b->u + 3 * e, length(b, e) * (1.1 + 0.1 * sin(b->time)));
+}
+
+/* Saved states contain `memory` alone, and a type has one set of variables for all bodies. */
+static void test_state(void **state) {
+    (void)state;
+    pdyn_constraint_type t = good;
+    t.damping = NULL, t.damping_rest = NULL, t.tangent = NULL;
+    t.begin = begin_largest, wrong_expect(t, "begin writes other data after another step");
+    t.begin = begin_smallest, wrong_expect(t, "begin writes other data after another step");
+    t.begin = begin_variable, t.weight = weight_of_variable;
+    wrong_expect(t, "weight gives another weight after callbacks have run for another body");
+    t.weight = weight, t.project = project_variable;
+    wrong_expect(t, "project gives another p after callbacks have run for another body");
+    t.begin = NULL, t.project = project_time;
+    expect_begin(t, "project depends on `time`, but without `begin`");
+}
+
 /* ---- mathematics ----------------------------------------------------------------------------- */
 
 static void project_half_way(const void *par, const pdyn_batch *b, int first, int last) {
@@ -586,11 +639,17 @@ static void test_solvers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_good),        cmocka_unit_test(test_vertices),
-        cmocka_unit_test(test_writes),      cmocka_unit_test(test_weights_that_change),
-        cmocka_unit_test(test_values),      cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_energy),      cmocka_unit_test(test_numeric_tangent),
-        cmocka_unit_test(test_mathematics), cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_good),
+        cmocka_unit_test(test_vertices),
+        cmocka_unit_test(test_writes),
+        cmocka_unit_test(test_weights_that_change),
+        cmocka_unit_test(test_state),
+        cmocka_unit_test(test_values),
+        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_energy),
+        cmocka_unit_test(test_numeric_tangent),
+        cmocka_unit_test(test_mathematics),
+        cmocka_unit_test(test_solvers),
     };
     return cmocka_run_group_tests_name("wrong", tests, NULL, NULL);
 }

@@ -187,6 +187,32 @@ static void check_lasting_weight(struct check *check, struct guarded *a, const s
               changes);
 }
 
+/* Whether core expects no energy from the type (module.h, `energy`). */
+static bool gives_nothing(const pdyn_constraint_type *t) {
+    for (const pdyn_param *p = t->params; p->name; p++)
+        if (p->kind == PDYN_PATH) return false;
+    return !(t->flags & PDYN_LOSSY) && !t->begin && !t->update && !t->end && !t->matrix_free;
+}
+
+/* A p that depends on time gives energy: without `begin`, core refuses steps that have it. b has
+ * the p of the trial. */
+static void check_time(struct check *check, struct guarded *a, const struct guarded *b) {
+    static const double times[] = {0.1, 1.0, 10.0, 1000.0};
+    const struct call project = call_of("project", check->type->project, 1u << P);
+    const pdyn_batch view = a->view;
+    bool depends = false;
+    for (int k = 0; k < 4 && !depends && gives_nothing(check->type); k++) {
+        a->view.time = times[k];
+        guarded_run(a, &project, 0, a->view.elements);
+        depends = memcmp(guarded_array(a, P), guarded_array(b, P), a->array[P].bytes) != 0;
+    }
+    a->view = view;
+    guarded_run(a, &project, 0, a->view.elements);
+    if (depends)
+        fault(check, "project depends on `time`, but without `begin` core expects that the "
+                     "constraint gives no energy, and refuses steps: add one, even an empty one");
+}
+
 static void check_weight(struct check *check, struct guarded *a, struct guarded *b) {
     const struct call weight = call_of("weight", a->from->type->weight, 1u << WEIGHT);
     int faults = check->faults;
@@ -250,6 +276,7 @@ void check_callbacks(struct check *check, struct trial *trial) {
     if (guarded_create(&b, trial->rows)) {
         check_energy(check, trial->rows);
         check_maps(check, &a, &b);
+        check_time(check, &a, &b);
         check_weight(check, &a, &b);
         check_select(check, &a, &b);
         check_others(check, &a, &b);

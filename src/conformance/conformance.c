@@ -8,10 +8,10 @@
  * need callbacks that write only where they may: without, they are skipped. */
 static void check_strain(struct check *check) {
     static check_fn *const checks[] = {
-        check_callbacks, check_activity, check_projection,   check_closest,
-        check_one_side,  check_tangent,  check_gradient,     check_work,
-        check_momentum,  check_bounds,   check_damping_rest, check_diagonal,
-        check_stiffness, check_tiers,    check_operator,     check_model};
+        check_callbacks, check_state,        check_activity, check_projection, check_closest,
+        check_one_side,  check_tangent,      check_gradient, check_work,       check_momentum,
+        check_bounds,    check_damping_rest, check_diagonal, check_stiffness,  check_tiers,
+        check_operator,  check_model};
     for (size_t k = 0; k < sizeof checks / sizeof *checks; k++) {
         struct trial trial;
         if (!trial_start(&trial, check, check->type, "auto")) return;

@@ -77,6 +77,7 @@ double trial_random(uint64_t *seed); /* in [-1, 1) */
 typedef void check_fn(struct check *check, struct trial *trial);
 
 check_fn check_callbacks; /* callbacks.c: what they write; no state between calls */
+check_fn check_state;     /* state.c: no state but `memory` */
 check_fn check_projection, check_closest, check_one_side, check_activity; /* mathematics.c */
 check_fn check_tangent, check_gradient, check_work, check_momentum, check_damping_rest;
 check_fn check_bounds, check_diagonal; /* H, mathematics.c */

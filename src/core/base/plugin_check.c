@@ -73,6 +73,8 @@ static const char *param_fault(const pdyn_constraint_type *type, const pdyn_para
     if (bounded && !(p->min <= p->max)) return "its bounds are not ordered";
     if (bounded && !p->required && isfinite(p->def) && p->def > p->max)
         return "its default is above its bounds; one below them, or NAN, means that there is none";
+    if (p->kind == PDYN_INT && !p->required && isfinite(p->def) && p->def != floor(p->def))
+        return "its default has a fraction: say PDYN_REAL, or give a whole number";
     if (param_is_table(p) && table_fault(type, p)) return table_fault(type, p);
     for (const pdyn_param *q = type->params; q < p; q++) {
         if (!strcmp(q->name, p->name)) return "its name is given twice";
