@@ -128,6 +128,7 @@ static void test_tables(void **state) {
     t = good, t.flags = PDYN_EVERY_ITERATION, refuse_type(t, "need update");
     t = good, t.update = update, t.end = fill, refuse_type(t, "need each other");
     t = good, t.update = update, t.linear = is_linear, refuse_type(t, "update excludes");
+    t = good, t.linear = is_linear, t.begin = fill, refuse_type(t, "linear excludes begin");
     t = good, t.update = update, t.begin = fill, t.flags = PDYN_EVERY_ITERATION;
     refuse_type(t, "excludes begin");
 }

@@ -7,6 +7,7 @@
 #include "projdyn/vec3.h"
 #include "rows/batch.h"
 
+#include <stdio.h>
 #include <string.h>
 
 extern const pdyn_plugin pdyn_plugin_table;
@@ -128,9 +129,50 @@ static void test_growth(void **state) {
     pdyn_destroy(context);
 }
 
+static void begin_nothing(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par, (void)b, (void)first, (void)last;
+}
+
+static void weight_of_time(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) b->weight[e] = b->time < 0.095 ? 1000.0 : 2000.0;
+}
+
+/* The counter of the values of H. */
+static unsigned values_of(pdyn_sim *sim) {
+    pdyn_matrix matrix;
+    assert_int_equal(sim->model.model.matrix(&sim->model.model, &matrix), PDYN_OK);
+    return matrix.values;
+}
+
+/* Weights that `begin` leaves as they are do not change H: a factor lasts until one changes. */
+static void test_same_weights(void **state) {
+    (void)state;
+    pdyn_constraint_type type = *pdyn_plugin_table.constraints[0];
+    type.begin = begin_nothing, type.weight = weight_of_time;
+    const pdyn_constraint_type *const types[] = {&type, NULL};
+    const pdyn_plugin plugin = {PDYN_ABI, "weights", types, NULL};
+    pdyn_context *context = test_context(1);
+    assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
+    char projective[1024];
+    snprintf(projective, sizeof projective, "{'solver': {'step': 'projective'}, %s", scene + 1);
+    pdyn_sim *sim = test_load(context, projective);
+    for (int k = 0; k < 5; k++) test_step(context, sim);
+    unsigned before = values_of(sim);
+    while (pdyn_time(sim) < 0.085) test_step(context, sim);
+    assert_int_equal(values_of(sim), before);
+    test_step(context, sim);
+    assert_int_equal(values_of(sim), before + 1);
+    while (pdyn_time(sim) < 0.15) test_step(context, sim);
+    assert_int_equal(values_of(sim), before + 1);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_repeated),
                                        cmocka_unit_test(test_parameters),
-                                       cmocka_unit_test(test_saved), cmocka_unit_test(test_growth)};
+                                       cmocka_unit_test(test_saved), cmocka_unit_test(test_growth),
+                                       cmocka_unit_test(test_same_weights)};
     return cmocka_run_group_tests_name("state", tests, test_enter_directory, test_leave_directory);
 }

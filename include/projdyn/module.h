@@ -458,7 +458,7 @@ typedef struct pdyn_constraint_type {
     void (*tangent_rank1)(const void *params, const pdyn_batch *batch, int first, int last,
                           double *axis);
     /* Returns true if p = 0 and J = 0 for all elements and all u: core then adds the rows up to one
-     * constant matrix. NULL: false. */
+     * constant matrix. Excludes begin. NULL: false. */
     bool (*linear)(const void *params, const pdyn_batch *batch);
     /* The energy E of these elements, J, where it is not w/2 |u - p|^2. Its gradient dE/du must be
      * w (u - p): `project` gives p = u - dE/du / w, where w is about the largest second derivative

@@ -1,8 +1,8 @@
 /* Solver "cholesky": a sparse Cholesky factor of H. It is analysed when the pattern of H changes
  * and computed when its values change. With static constraints, and the projective step or no
- * tangents, both happen once per length of step, and a solve is two triangular solves with three
- * right-hand sides. With the newton step and tangents the values change in every iteration, and x,
- * y, z couple. */
+ * tangents, both happen where the length of the step or a weight changes, and a solve is two
+ * triangular solves with three right-hand sides. With the newton step and tangents the values
+ * change in every iteration, and x, y, z couple. */
 #include "cholmod_factor.h"
 
 #include <string.h>
@@ -15,8 +15,11 @@ struct cholesky {
 
 static int suits(const pdyn_model *model, const char **reason) {
     bool constant = !model->dynamic && !model->newton;
-    *reason = constant ? "the matrix is constant: it is factored once per length of step"
-                       : "a factorisation in every iteration";
+    *reason =
+        constant
+            ? "the matrix is constant in a step: it is factored where the length of the step or a "
+              "weight changes"
+            : "a factorisation in every iteration";
     if (model->solve_bodies) {
         *reason = "it has rigid bodies, whose matrix is not a sparse one of particles";
         return 0;

@@ -155,6 +155,7 @@ static const char *constraint_fault(const pdyn_constraint_type *t) {
         return "with damping, data of an element are at most 512 doubles";
     if ((t->matrix_free || t->flags & PDYN_NEIGHBOURS) && !(t->flags & PDYN_ON_PARTICLES))
         return "it works on neighbour lists: it needs PDYN_ON_PARTICLES";
+    if (t->linear && t->begin) return "linear excludes begin: core adds its rows up once";
     if (t->matrix_free && (t->begin || t->damping)) return "matrix_free excludes begin and damping";
     return t->matrix_free ? operator_fault(t->matrix_free) : NULL;
 }

@@ -154,10 +154,10 @@ pdyn_status objective_limit(struct objective *o, const double *x, double *max_st
 pdyn_status objective_begin(struct objective *o, const struct step_start *start) {
     const struct batch_step step = objective_step(o);
     pdyn_status status = PDYN_OK;
-    bool weights_change = false; /* even where h does not */
+    bool weights_change = false;
     for (int b = 0; status == PDYN_OK && b < o->batches; b++) {
         status = batch_begin(o->batch[b], start, &step);
-        weights_change |= o->batch[b]->type->begin && !o->batch[b]->damper;
+        weights_change |= o->batch[b]->weights_change;
     }
     o->weights_revision += weights_change;
     return status;

@@ -37,6 +37,7 @@ struct batch {
                         impact forces; for pins, less left_out times itself (forces_pass_on) */
     bool damper;     /* the second batch of pdyn_constraint_type.damping */
     bool off;        /* switched off: all weights are 0 */
+    bool weights_change; /* the last `begin` changed a weight */
 
     /* rows tier */
     int rows, entries;

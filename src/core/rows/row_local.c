@@ -141,11 +141,25 @@ static void gather_start(void *arg, int first, int last, int block) {
     gather_rows(b, row, end, c->start->x_base);
 }
 
+/* Computes the weights of the elements [first, last); whether one of them changes. */
+static bool weigh_again(struct batch *b, int first, int last) {
+    enum { GROUP = 64 };
+    double before[GROUP];
+    bool changes = false;
+    for (int e = first; e < last; e += GROUP) {
+        int end = last - e > GROUP ? e + GROUP : last;
+        size_t bytes = (size_t)(end - e) * sizeof *before;
+        memcpy(before, b->view.weight + e, bytes);
+        rows_weigh(b, e, end);
+        changes |= memcmp(before, b->view.weight + e, bytes) != 0;
+    }
+    return changes;
+}
+
 static void begin_rows(void *arg, int first, int last, int block) {
-    (void)block;
     struct batch *b = arg;
     b->type->begin(b->params, &b->view, first, last);
-    rows_weigh(b, first, last);
+    b->partial[block] = weigh_again(b, first, last);
 }
 
 void rows_begin_damper(struct batch *b, const struct step_start *start) {
@@ -158,4 +172,7 @@ void rows_begin(struct batch *b, const struct step_start *start) {
     struct pool *pool = b->context->pool;
     pool_for(pool, b->view.elements, b->grain, gather_start, &(struct begin){b, start});
     pool_for(pool, b->view.elements, b->grain, begin_rows, b);
+    b->weights_change = b->type->update != NULL;
+    for (int k = 0; k < pool_blocks(b->view.elements, b->grain); k++)
+        b->weights_change |= b->partial[k] != 0.0;
 }
