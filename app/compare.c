@@ -91,11 +91,12 @@ static void print_rows(const struct solver_benchmark *benchmark, const char *hea
     printf("%s", header);
     for (int k = 0; k < benchmark->solvers; k++) {
         const struct solver_timing *timing = &first[k];
-        double n = benchmark->steps;
+        const struct step_cost mean = benchmark_iterations(benchmark, timing);
         printf(row, timing->solver, benchmark_prepare_ms(benchmark, timing),
-               benchmark_step_ms(benchmark, timing), timing->outer / n, timing->linear / n,
-               timing->residual / n, 1e-6 * timing->bytes, benchmark_difference(timing, first),
-               benchmark_break_even(benchmark, timing, first), timing->unsolved);
+               benchmark_step_ms(benchmark, timing), mean.outer, mean.linear,
+               timing->residual / benchmark->steps, 1e-6 * timing->bytes,
+               benchmark_difference(timing, first), benchmark_break_even(benchmark, timing, first),
+               timing->unsolved);
     }
 }
 

@@ -56,16 +56,17 @@ static long count_unsolved(const pdyn_sim *sim) {
 /* Runs the steps; lowers each step time to the minimum over the rounds and sums the iterations. */
 static int run_steps(const struct solver_benchmark *benchmark, struct solver_timing *timing,
                      pdyn_context *context, pdyn_sim *sim) {
-    timing->outer = timing->linear = timing->residual = 0.0;
+    timing->residual = 0.0;
     pdyn_state state = pdyn_get_state(sim);
     timing->size = box_diagonal(&state);
     for (int k = 0; k < benchmark->steps; k++) {
         pdyn_step_info info;
+        struct step_cost *step = &timing->step[k];
         double start = clock_ms(benchmark);
         pdyn_status status = pdyn_step(sim, &info);
-        timing->step_ms[k] = fmin(timing->step_ms[k], clock_ms(benchmark) - start);
+        step->ms = fmin(step->ms, clock_ms(benchmark) - start);
         if (status != PDYN_OK) return report_status(context, status);
-        timing->outer += info.outer_iterations, timing->linear += info.linear_iterations;
+        step->outer = info.outer_iterations, step->linear = info.linear_iterations;
         timing->residual += info.step_residual;
     }
     timing->unsolved = count_unsolved(sim);
@@ -103,9 +104,9 @@ int benchmark_run(struct solver_benchmark *benchmark) {
     for (int k = 0; k < n; k++) {
         struct solver_timing *timing = &benchmark->solver[k];
         timing->load_ms = INFINITY;
-        timing->step_ms = malloc((size_t)benchmark->steps * sizeof *timing->step_ms);
-        if (!timing->step_ms) return report_no_memory();
-        for (int s = 0; s < benchmark->steps; s++) timing->step_ms[s] = INFINITY;
+        timing->step = malloc((size_t)benchmark->steps * sizeof *timing->step);
+        if (!timing->step) return report_no_memory();
+        for (int s = 0; s < benchmark->steps; s++) timing->step[s].ms = INFINITY;
     }
     for (int r = 0; r < benchmark->rounds; r++)
         for (int k = 0; k < n && code == EXIT_GOOD; k++)
@@ -115,7 +116,7 @@ int benchmark_run(struct solver_benchmark *benchmark) {
 
 void benchmark_free(struct solver_benchmark *benchmark) {
     for (int k = 0; k < benchmark->solvers; k++) {
-        free(benchmark->solver[k].step_ms);
+        free(benchmark->solver[k].step);
         free(benchmark->solver[k].x);
     }
     free(benchmark->solver);
@@ -128,19 +129,41 @@ static int preparing_steps(const struct solver_benchmark *benchmark) {
     return benchmark->steps > 2 ? 2 : benchmark->steps - 1;
 }
 
+/* The mean of the steps from `first` on. */
+static struct step_cost mean_from(const struct solver_benchmark *benchmark,
+                                  const struct solver_timing *timing, int first) {
+    struct step_cost mean = {0.0, 0.0, 0.0};
+    double n = benchmark->steps - first;
+    for (int k = first; k < benchmark->steps; k++) {
+        const struct step_cost *step = &timing->step[k];
+        mean.ms += step->ms, mean.outer += step->outer, mean.linear += step->linear;
+    }
+    mean.ms /= n, mean.outer /= n, mean.linear /= n;
+    return mean;
+}
+
+struct step_cost benchmark_iterations(const struct solver_benchmark *benchmark,
+                                      const struct solver_timing *timing) {
+    return mean_from(benchmark, timing, 0);
+}
+
 double benchmark_step_ms(const struct solver_benchmark *benchmark,
                          const struct solver_timing *timing) {
-    double sum = 0.0;
-    int first = preparing_steps(benchmark);
-    for (int k = first; k < benchmark->steps; k++) sum += timing->step_ms[k];
-    return sum / (benchmark->steps - first);
+    return mean_from(benchmark, timing, preparing_steps(benchmark)).ms;
 }
+
+static double ratio(double a, double b) { return b > 0.0 ? a / b : 1.0; }
 
 double benchmark_prepare_ms(const struct solver_benchmark *benchmark,
                             const struct solver_timing *timing) {
-    double sum = timing->load_ms, step = benchmark_step_ms(benchmark, timing);
-    for (int k = 0; k < preparing_steps(benchmark); k++)
-        sum += fmax(0.0, timing->step_ms[k] - step);
+    int preparing = preparing_steps(benchmark);
+    double sum = timing->load_ms;
+    const struct step_cost mean = mean_from(benchmark, timing, preparing);
+    for (int k = 0; k < preparing; k++) {
+        const struct step_cost *step = &timing->step[k];
+        double work = fmax(ratio(step->outer, mean.outer), ratio(step->linear, mean.linear));
+        sum += fmax(0.0, step->ms - work * mean.ms);
+    }
     return sum;
 }
 
@@ -155,7 +178,7 @@ double benchmark_break_even(const struct solver_benchmark *benchmark, const stru
     double lag_ms = a->load_ms - b->load_ms; /* total time of a minus that of b */
     int last = 0;
     for (int k = 0; k < benchmark->steps; k++) {
-        lag_ms += a->step_ms[k] - b->step_ms[k];
+        lag_ms += a->step[k].ms - b->step[k].ms;
         if (lag_ms > 0.0) last = k + 1;
     }
     double gain = benchmark_step_ms(benchmark, b) - benchmark_step_ms(benchmark, a);

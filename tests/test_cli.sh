@@ -225,6 +225,9 @@ expect "compare in one way" 0 "cholesky" sh -c "'$program' compare $(echo $conte
     --csv | awk -F, 'NR == 2 { linear = \$5 } NR == 3 && \$5 == 3 && linear > 3 && \$8 > 0 && \$8 < 0.1'"
 expect "compare counts unsolved steps" 0 "3" sh -c "'$program' compare $(echo $contest) --solver cg,hybrid --csv |
     awk -F, 'NR == 1 { header = \$10 } END { if (header == \"unsolved_steps\") print \$10 }'"
+expect "iterations of the first step are no preparation" 0 "good" sh -c "'$program' compare '$root/scenes/flag.json' \
+    --set solver.step=projective --set solver.outer_iterations=50 --set bodies.flag.surface.grid.vertices=[25,17] --steps 4 --rounds 2 \
+    --solver cg,hybrid --csv | awk -F, '\$1 == \"cg\" && \$2 < 0.4 * \$3 { print \"good\" }'"
 expect "compare needs two" 2 "two solvers or more" "$program" compare $contest --solver cg
 expect "compare of a solver that does not fit" 2 "does not fit" "$program" compare $contest --solver cg,dual
 expect "compare in no steps" 2 "from 1 to" "$program" compare $contest --solver cg,hybrid --steps 0
