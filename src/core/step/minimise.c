@@ -23,13 +23,30 @@ static pdyn_status fail_not_finite(const char *what, const struct batch *b) {
                      what, b->type->name, b->view.body->name);
 }
 
+/* The first element whose projection is not finite; -1: none. */
+static int find_projection(const struct batch *b) {
+    const pdyn_batch *v = &b->view;
+    for (int e = 0; e < v->elements && !b->op && !b->linear; e++)
+        for (int k = 3 * v->element_row[e]; k < 3 * v->element_row[e + 1]; k++)
+            if (!isfinite(v->p[k])) return e;
+    return -1;
+}
+
+static pdyn_status fail_energy(const struct batch *b) {
+    int element = find_projection(b);
+    if (element < 0) return fail_not_finite("energy", b);
+    return set_error(PDYN_DIVERGED,
+                     "the energy of constraint \"%s\" on body \"%s\" is not finite: p of element "
+                     "%d is not",
+                     b->type->name, b->view.body->name, element);
+}
+
 /* The error names the constraint whose energy is not finite, or else the body whose gradient is
  * not. */
 static pdyn_status fail_local(const struct pdyn_sim *sim) {
     const struct objective *objective = &sim->objective;
     for (int b = 0; b < objective->batches; b++)
-        if (!isfinite(objective->batch[b]->energy))
-            return fail_not_finite("energy", objective->batch[b]);
+        if (!isfinite(objective->batch[b]->energy)) return fail_energy(objective->batch[b]);
     for (int b = 0; b < objective->bodies; b++)
         if (!isfinite(objective->body[b].residual))
             return set_error(PDYN_DIVERGED, "the gradient on body \"%s\" is not finite",
