@@ -116,7 +116,9 @@ static void step(struct check *check, const pdyn_constraint_type *type, enum tri
     for (int n = 0; n < (size == LARGE ? 1 : 3); n++) {
         if (!run(check, scene, threads[n], &more)) return;
         if (more == one) continue;
-        fault(check, "not deterministic: %d threads give other bits than 1 (%s, %s step)",
+        fault(check,
+              "not deterministic: %d threads give other bits than 1 (%s, %s step); callbacks may "
+              "not write variables that they share",
               threads[n], solver, kind);
         return;
     }
