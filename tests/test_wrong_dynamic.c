@@ -152,8 +152,8 @@ static void test_wrong(void **state) {
         {BEGIN_WRITES_P, false, "begin writes p which is not its to write"},
         {NO_ANCHOR, false, "say PDYN_ANCHORED"},
         {NO_ANCHOR, true, "say PDYN_ANCHORED"},
-        {NEVER, false, "not exercised"},
-        {NEVER, true, "not exercised"},
+        {NEVER, false, "not exercised: update gives no element"},
+        {NEVER, true, "not exercised: update gives no element"},
     };
     size_t count = sizeof wrong / sizeof *wrong, reported = 0;
     for (size_t k = 0; k < count; k++)

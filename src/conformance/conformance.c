@@ -24,7 +24,7 @@ static void check_strain(struct check *check) {
 /* Solvers solve in the first state in which elements pull. */
 static void check_type_on(struct check *check) {
     enum strain acting = COMPRESSED;
-    check->active = 0;
+    check->active = check->found = 0;
     for (int k = 0; k < STRAINS && !check->faults; k++) {
         check->strain = (enum strain)k;
         if (!check->active) acting = check->strain;
@@ -32,7 +32,10 @@ static void check_type_on(struct check *check) {
     }
     check->strain = acting;
     if (check->faults) return;
-    if (!check->active)
+    if (!check->found)
+        fault(check, "not exercised: update gives no element in any trial; trials have no contacts "
+                     "and no wet sides");
+    else if (!check->active)
         fault(check, "not exercised: no element pulls in any trial, compressed, stretched, "
                      "sheared or crumpled");
     check_solvers(check);

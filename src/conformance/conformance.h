@@ -21,6 +21,7 @@ struct check {                /* the checks of one constraint type or one solver
     const pdyn_global_solver *solver;
     enum body_kind kind; /* of the trial's body */
     enum strain strain;  /* of the trial's body */
+    int found;           /* elements of all trials */
     int active;          /* elements that pulled in some trial: u differed from p */
     void (*tell)(void *user, const char *text);
     void *user;

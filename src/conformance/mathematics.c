@@ -126,6 +126,7 @@ static bool pulls(const struct batch *b, int e) {
 void check_activity(struct check *check, struct trial *t) {
     const struct batch *b = t->rows;
     batch_local(t->rows, t->x, t->y);
+    check->found += b->view.elements;
     if (b->linear) check->active += b->energy > 0.0; /* p = 0; u is not computed */
     for (int e = 0; e < b->view.elements && !b->linear; e++) check->active += pulls(b, e);
 }
