@@ -305,6 +305,60 @@ static void test_not_finite(void **state) {
     }
 }
 
+/* ---- a row that couples all vertices --------------------------------------------------------- */
+
+static int one_element(const void *par, const pdyn_body *body) {
+    (void)par, (void)body;
+    return 1;
+}
+
+static void one_row(const void *par, const pdyn_batch *b, int e, int *rows, int *width) {
+    (void)par, (void)e;
+    *rows = 1, *width = b->body->count;
+}
+
+static void select_mean(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int k = 0; k < last * b->body->count; k++)
+        b->column[k] = b->body->first + k, b->coefficient[k] = 1.0 / b->body->count;
+    (void)first;
+}
+
+static void project_to_place(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int k = 3 * first; k < 3 * last; k++) b->p[k] = 0.1;
+}
+
+/* H is dense: no factor of it is chosen, and preconditioners leave the row out. */
+static void test_dense(void **state) {
+    (void)state;
+    static const char text[] =
+        SCENE("'duration': 1",
+              GRID_SHEET("'name': 'b', ", "1, 1", "19, 19", "'area_density': 1",
+                         "{'type': 'mine', 'stiffness': 1}"),
+              "");
+    pdyn_constraint_type type = good;
+    type.flags = PDYN_ANCHORED, type.elements = one_element, type.rows = type.width = 0,
+    type.row_sizes = one_row;
+    type.select = select_mean, type.weight = some_weight, type.project = project_to_place;
+    weight_of_all = 1e6;
+    const pdyn_constraint_type *const types[] = {&type, NULL};
+    const pdyn_plugin plugin = {PDYN_ABI, "p", types, NULL};
+    pdyn_matrix graph;
+    pdyn_context *context = test_context(1);
+    assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
+    pdyn_sim *sim = test_load(context, text);
+    assert_false(sim->solver->direct);
+    assert_int_equal(sim->model.model.graph(&sim->model.model, &graph), PDYN_OK);
+    assert_int_equal(graph.start[graph.size], 19 * 19);
+    test_step(context, sim);
+    double mean[3] = {0.0};
+    for (int k = 0; k < 3 * 19 * 19; k++) mean[k % 3] += sim->x[k] / (19 * 19);
+    for (int k = 0; k < 3; k++) assert_true(fabs(mean[k] - 0.1) < 0.005);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* ---- what a solver is given ------------------------------------------------------------------ */
 
 static pdyn_model *model;
@@ -403,11 +457,11 @@ static void test_model(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plugins),      cmocka_unit_test(test_tables),
-        cmocka_unit_test(test_alternatives), cmocka_unit_test(test_resolve),
-        cmocka_unit_test(test_parameters),   cmocka_unit_test(test_rows),
-        cmocka_unit_test(test_not_finite),   cmocka_unit_test(test_failing_solver),
-        cmocka_unit_test(test_model),
+        cmocka_unit_test(test_plugins),        cmocka_unit_test(test_tables),
+        cmocka_unit_test(test_alternatives),   cmocka_unit_test(test_resolve),
+        cmocka_unit_test(test_parameters),     cmocka_unit_test(test_rows),
+        cmocka_unit_test(test_not_finite),     cmocka_unit_test(test_dense),
+        cmocka_unit_test(test_failing_solver), cmocka_unit_test(test_model),
     };
     return cmocka_run_group_tests_name("plugin", tests, NULL, NULL);
 }

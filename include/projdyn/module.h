@@ -564,8 +564,8 @@ typedef struct pdyn_model {
      * still: what ties a particle to them is on its diagonal alone. Valid until the next call. */
     pdyn_status (*graph)(struct pdyn_model *model, pdyn_matrix *matrix);
     /* Elements of constraint k < elements_count, as H contains them. None of a constraint that has
-     * tangent_rank1 and elements of several rows, which `graph` leaves out, too: such an element
-     * couples all its particles. */
+     * tangent_rank1 and elements of several rows, or a row of more than 300 entries, which `graph`
+     * leaves out, too: such an element couples all its particles. */
     pdyn_elements (*elements)(struct pdyn_model *model, int k);
     /* The one-sided constraints of matrix-free constraint k < one_sided_count at the iterate, and
      * the body that they belong to. */

@@ -108,7 +108,8 @@ static pdyn_status graph(pdyn_model *model, pdyn_matrix *out) {
     struct batch **rows = NEW_ARRAY(o->context, o->batches, struct batch *);
     if (o->batches && !rows) return PDYN_NO_MEMORY;
     for (int b = 0; b < o->batches; b++)
-        if (batch_is_static(o->batch[b]) && batch_is_steady(o->batch[b]) && !o->batch[b]->wide)
+        if (batch_is_static(o->batch[b]) && batch_is_steady(o->batch[b]) &&
+            !batch_couples_all(o->batch[b]))
             rows[b] = o->batch[b];
     pdyn_status status = matrix_pattern(&view->graph, o, rows, 1);
     if (status == PDYN_OK) {
@@ -124,7 +125,7 @@ static pdyn_elements elements(pdyn_model *model, int k) {
     static const int start;
     static const pdyn_batch none = {.element_row = &start, .row_entry = &start};
     const struct batch *b = batch_at(model, batch_is_static, k);
-    if (b->wide) return (pdyn_elements){.rows = &none};
+    if (batch_couples_all(b)) return (pdyn_elements){.rows = &none};
     bool blocks = batch_has_blocks(b);
     return (pdyn_elements){.rows = &b->view,
                            .block = blocks ? b->block : NULL,

@@ -21,6 +21,8 @@ struct touch { /* an entry, in the list of its particle */
     int row, entry;
 };
 
+enum { MAX_DENSE = 300 }; /* vertices of a dense matrix: a factor takes 0.1 s */
+
 struct batch {
     pdyn_context *context;
     const pdyn_constraint_type *type;
@@ -49,6 +51,7 @@ struct batch {
     bool single;       /* every element is a row that selects no particle twice */
     bool wide;         /* tangent_rank1 and elements of several rows: each couples all its particles
                           and is in products and diagonals of H, but not in preconditioners */
+    bool dense;        /* a row has more than MAX_DENSE entries; left out in the same way */
     double *flux;      /* rows x 4: w (u - p), or w ((1 - eps)(I - J) + eps I) u */
     size_t *block_start; /* elements + 1 */
     double *block;       /* B = w ((1 - eps)(I - J) + eps I) of each element, (3 rows)^2 numbers;
@@ -88,6 +91,8 @@ static inline bool batch_belongs_to(const struct batch *batch, const struct batc
             batch->params == constraint->params && batch->view.body == constraint->view.body);
 }
 
+/* Whether it couples so many particles with each other that preconditioners leave it out. */
+static inline bool batch_couples_all(const struct batch *b) { return b->wide || b->dense; }
 /* Whether the selector is the same in all steps. */
 static inline bool batch_is_static(const struct batch *b) { return !b->op && !b->type->update; }
 /* Whether its weights depend on parameters alone: not on the length of a step, or on its begin. */

@@ -19,6 +19,7 @@ static pdyn_status shape_rows(struct batch *b, int *element_row) {
                 b, "element %d has %d rows, expected at most %d with PDYN_NUMERIC_TANGENT", e, n,
                 NUMERIC_TANGENT_ROWS);
         b->wide |= t->tangent_rank1 && n != 1;
+        b->dense |= n && width > MAX_DENSE;
         rows += n;
         entries += (long)n * width;
         if (rows > INT32_MAX / 3 || entries > INT32_MAX)

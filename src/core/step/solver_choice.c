@@ -7,7 +7,6 @@
 #include <limits.h>
 #include <string.h>
 
-enum { MAX_DENSE = 300 }; /* vertices of a dense matrix: a factor takes 0.1 s */
 enum { SHORTEST_WAIT = 8, LONGEST_WAIT = 64 }; /* steps between trials */
 
 /* Steps with fewer linear iterations are not worth a trial. */
@@ -30,13 +29,20 @@ static int bid_of(struct pdyn_sim *sim, const pdyn_global_solver *solver, const 
     return solver->suits ? solver->suits(&sim->model.model, reason) : 1;
 }
 
-/* The solver with the highest bid; `dual`: among the dual ones. */
+static bool has_dense_rows(const struct pdyn_sim *sim) {
+    for (int k = 0; k < sim->objective.batches; k++)
+        if (sim->objective.batch[k]->dense) return true;
+    return false;
+}
+
+/* The solver with the highest bid; `dual`: among the dual ones. None that factors a dense H. */
 static const pdyn_global_solver *best_solver(struct pdyn_sim *sim, bool dual, const char **reason) {
     const pdyn_global_solver *best = NULL, *solver;
     int highest = 0;
     for (int k = 0; (solver = registry_solver_at(sim->context, k)); k++) {
         const char *why = "";
-        int bid = dual && !solver->dual ? 0 : bid_of(sim, solver, &why);
+        if ((dual && !solver->dual) || (solver->direct && has_dense_rows(sim))) continue;
+        int bid = bid_of(sim, solver, &why);
         if (bid > highest) best = solver, highest = bid, *reason = why;
     }
     return best;
