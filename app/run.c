@@ -2,6 +2,7 @@
 #include "run_progress.h"
 #include "run_record.h"
 #include "scene_json.h"
+#include "signals.h"
 
 #include <limits.h>
 #include <math.h>
@@ -37,8 +38,8 @@ static const char usage[] =
     "  -h, --help            prints this text\n"
     "\n"
     "Ctrl-C stops the run after the current frame, a second Ctrl-C after the current step. "
-    "SIGTERM\n"
-    "and SIGUSR1 stop it after the current step.\n";
+    "SIGTERM,\n"
+    "SIGUSR1 and SIGHUP (the terminal closes) stop it after the current step.\n";
 
 struct run_options {
     struct scene_options scene;
@@ -54,7 +55,7 @@ struct run_options {
     bool ply, no_frames, quiet, strict;
 };
 
-/* Number of signals SIGINT received during the run, and whether SIGTERM or SIGUSR1 was. */
+/* Number of signals SIGINT received during the run, and whether another one was. */
 static volatile sig_atomic_t interrupts, terminated;
 
 static void on_signal(int number) {
@@ -165,11 +166,11 @@ static int parse(struct run_options *o, int argc, char **argv) {
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-/* Whether an interrupt or --wall-time ends the run before the next step. SIGTERM and --wall-time do
- * not wait for the end of the frame, because that may take minutes and a batch system kills the run
- * seconds later. The first Ctrl-C waits for it and prints a message once (*printed), the second one
- * does not wait. Every run takes a step, so that resumed runs end with any --wall-time. `frame`:
- * the last step ended a frame; steps: of this run. */
+/* Whether an interrupt or --wall-time ends the run before the next step. Other signals and
+ * --wall-time do not wait for the end of the frame, because that may take minutes and a batch
+ * system kills the run seconds later. The first Ctrl-C waits for it and prints a message once
+ * (*printed), the second one does not wait. Every run takes a step, so that resumed runs end with
+ * any --wall-time. `frame`: the last step ended a frame; steps: of this run. */
 static bool must_stop(const struct run_options *o, bool frame, long steps, bool *printed) {
     if (terminated || interrupts > 1) return true;
     if (o->wall_limit > 0.0 && steps && wall_seconds() >= o->wall_limit) return true;
@@ -304,12 +305,12 @@ static int lengthen_scene(struct run_options *o) {
     return scene_set(&o->scene, o->duration) ? EXIT_GOOD : EXIT_FAILED;
 }
 
-/* Installs the handler of Ctrl-C and of the signals of batch systems. Called after the scene is
- * loaded: before that nothing has been written, and the default action (terminate) is right. */
+/* Installs the handler of signals.h, and of SIGUSR1, by which batch systems announce the end of a
+ * job. Called after the scene is loaded: before that nothing has been written, and the default
+ * action (terminate) is right. */
 static void catch_signals(void) {
     struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+    signals_catch(on_signal, SA_RESTART);
     sigaction(SIGUSR1, &action, NULL);
 }
 

@@ -29,11 +29,11 @@ skip() {
 }
 
 # stop_run FOLDER SIGNALS ARGUMENTS...: starts a run, signals it once it takes steps, and
-# leaves its exit code in $ended
+# leaves its exit code in $ended; SIGHUP is not ignored where nohup runs this test
 stop_run() {
     folder=$1 signals=$2
     shift 2
-    timeout --foreground -s KILL 60 \
+    timeout --foreground -s KILL 60 env --default-signal=HUP \
         "$program" run "$scene" -o "$folder" --time 100 --quiet "$@" 2>"$dir/stopped" &
     pid=$!
     for _ in $(seq 100); do
@@ -312,7 +312,7 @@ wait $pid 2>/dev/null
 : >"$dir/busy/state.pdyn.0123abcd.tmp" # as a killed run leaves it
 expect "the lock of a killed run is gone" 0 "" "$program" run "$scene" -o "$dir/busy" --time 0.02 --quiet
 expect "and its temporary files" 0 "all whole" whole_frames "$dir/busy"
-for signal in INT TERM USR1; do
+for signal in INT TERM USR1 HUP; do
     stop_run "$dir/stop$signal" $signal --set frame_interval=0.1
     expect "$signal" 0 "130" echo $ended
     expect "$signal is said" 0 "interrupted at" cat "$dir/stopped"
@@ -320,7 +320,7 @@ for signal in INT TERM USR1; do
     expect "frames after $signal" 0 "all whole" whole_frames "$dir/stop$signal"
 done
 expect "the frame is finished after Ctrl-C" 0 "ends at a frame" ends_at_frame "$dir/stopINT"
-for signal in TERM USR1; do
+for signal in TERM USR1 HUP; do
     stop_run "$dir/now$signal" $signal --set frame_interval=50
     expect "$signal waits for no frame" 1 "" grep _000001 "$dir/now$signal/water.vtk.series"
 done
