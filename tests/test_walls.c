@@ -176,12 +176,47 @@ static void test_outside(void **state) {
         3 * 8 * 8);
 }
 
+/* Water at rest in a tank, 8 x 8 x 8 particles, and a sheet 0.7 spacings outside of its wall x = 0.
+ * more: keys of the tank */
+#define CURTAIN(more)                                                                              \
+    SCENE("'duration': 1, 'time_step': {'maximum': 0.004}",                                        \
+          PAIR(FLUID_BOX("'name': 'water', ", "0.01", "0, 0, 0", "0.16, 0.16, 0.16", ""),          \
+               GRID_SHEET("'name': 'curtain', ", "0.3, 0.3", "13, 13",                             \
+                          "'rotate': [0, 0, 90], 'translate': [-0.014, 0.1, 0.08], "               \
+                          "'area_density': 0.3",                                                   \
+                          PAIR(SPRINGS("100"), PINS("'all': true")))),                             \
+          ", 'solids': [{" more "}]")
+
+/* The points of a wall lie behind its face: a sheet between both hides none from the water. */
+static void check_curtain(const char *scene) {
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, scene);
+    const pdyn_state s = pdyn_get_state(sim);
+    double lowest = INFINITY;
+    while (pdyn_time(sim) < 0.1) test_step(context, sim);
+    for (int i = 0; i < 512; i++) lowest = fmin(lowest, s.x[3 * i]);
+    if (lowest < 0.005) fail_msg("a particle is at %g m from the wall", lowest);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* The second tank lies on its side at rest, and its motion turns it upright. */
+static void test_curtain(void **state) {
+    (void)state;
+    check_curtain(CURTAIN("'box': {'minimum': [0, 0, 0], 'maximum': [0.16, 0.3, 0.16]}, "
+                          "'open': ['+y']"));
+    check_curtain(CURTAIN("'box': {'minimum': [0, 0, -0.14], 'maximum': [0.16, 0.16, 0.16]}, "
+                          "'open': ['-z'], 'pivot': [0.08, 0.08, 0.08], "
+                          "'motion': [{'time': 0, 'rotate': [90, 0, 0]}]"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_plane),   cmocka_unit_test(test_thin_box),
         cmocka_unit_test(test_corner),  cmocka_unit_test(test_plate),
         cmocka_unit_test(test_threads), cmocka_unit_test(test_failing_allocator),
         cmocka_unit_test(test_block),   cmocka_unit_test(test_outside),
+        cmocka_unit_test(test_curtain),
     };
     return cmocka_run_group_tests_name("walls", tests, test_enter_directory, test_leave_directory);
 }

@@ -20,6 +20,7 @@ struct lists {
 /* Visibility of pairs; empty in a scene without surfaces. */
 struct visibility {
     struct occlusion *occlusion; /* NULL: no surfaces */
+    const double *face_x;        /* of neighbours_def */
     double *frozen_x;            /* system x 3, m: positions at which visibility was decided */
     const double *step_x; /* system x 3, m: positions at the start of the step; NULL after its first
                              local step */
@@ -75,8 +76,8 @@ void neighbour_points_list(struct neighbours *neighbours, const double *x);
 /* The list of particle i is empty. */
 void neighbour_points_clear(struct neighbours *neighbours, int i);
 
-/* Allocates the state; occlusion NULL: none. */
-pdyn_status visibility_create(struct neighbours *neighbours, struct occlusion *occlusion);
+/* Allocates the state; without occlusion none. */
+pdyn_status visibility_create(struct neighbours *neighbours, const struct neighbours_def *def);
 void visibility_free(struct neighbours *neighbours);
 
 /* Before a build at x: the current lists become the previous ones. */

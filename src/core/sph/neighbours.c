@@ -110,7 +110,7 @@ pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_def
                                 .layer_x = def->layer_x,
                                 .points = def->particles + def->boundary};
     pdyn_status status = resize_arrays(n, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
-    if (status == PDYN_OK) status = visibility_create(n, def->occlusion);
+    if (status == PDYN_OK) status = visibility_create(n, def);
     if (status == PDYN_OK) {
         fill_points(n, def);
         status = create_grids(n);

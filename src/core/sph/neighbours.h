@@ -22,7 +22,7 @@ struct neighbours;
 
 struct kernel_model;
 
-struct neighbours_def { /* all arrays but layer_x are copied */
+struct neighbours_def { /* all arrays but layer_x and face_x are copied */
     int particles; /* particles of the system, then the surface samples, which are active but no
                       centres */
     const bool *centre; /* particles: is a fluid particle */
@@ -36,7 +36,9 @@ struct neighbours_def { /* all arrays but layer_x are copied */
     double skin;                     /* m */
     bool has_volumes;                /* see pdyn_neighbours */
     const struct kernel_model *kernel;
-    struct occlusion *occlusion;           /* surfaces that separate pairs, or NULL; not copied */
+    struct occlusion *occlusion; /* surfaces that separate pairs, or NULL; not copied */
+    const double *face_x; /* with occlusion: boundary x 3, m: the foot of a point of a vessel on its
+                             face, of other points the point; not copied, must stay valid */
     const struct surface_samples *samples; /* the last particles, or NULL; must stay valid */
 };
 

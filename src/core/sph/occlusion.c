@@ -155,15 +155,18 @@ bool occlusion_is_near(const struct occlusion *s, int i) {
     return s->clearance[i] < 0.5 * s->reach;
 }
 
+bool occlusion_separates(const struct occlusion *s, const double *from, const double *to) {
+    struct query q = {.occlusion = s, .from = from, .to = to, .box = box_empty};
+    box_add(&q.box, from), box_add(&q.box, to);
+    bvh_visit(&s->tree, &q.box, test_blocking, &q);
+    return q.blocked;
+}
+
 /* Every point has a ball around it that contains no triangle. If the two balls cover the segment,
  * no search is needed. */
 bool occlusion_blocks(const struct occlusion *s, int i, const double *a, int j, const double *b) {
-    struct query q = {.occlusion = s, .from = i < j ? a : b, .to = i < j ? b : a};
-    double distance = vec3_distance(q.from, q.to);
+    double distance = vec3_distance(a, b);
     if (occlusion_is_clear(s, i, distance) || s->clearance[i] + s->clearance[j] >= distance)
         return false;
-    q.box = box_empty;
-    box_add(&q.box, q.from), box_add(&q.box, q.to);
-    bvh_visit(&s->tree, &q.box, test_blocking, &q);
-    return q.blocked;
+    return i < j ? occlusion_separates(s, a, b) : occlusion_separates(s, b, a);
 }

@@ -50,5 +50,7 @@ bool occlusion_is_near(const struct occlusion *occlusion, int i);
 /* Whether a triangle lies between point i at a and point j at b. Symmetric in (i, j). */
 bool occlusion_blocks(const struct occlusion *occlusion, int i, const double *a, int j,
                       const double *b);
+/* The same between any two places, without clearances. */
+bool occlusion_separates(const struct occlusion *occlusion, const double *from, const double *to);
 
 #endif

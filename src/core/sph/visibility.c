@@ -28,10 +28,10 @@ static bool resize_arrays(struct neighbours *n, enum array_action action) {
     return context_arrays(n->context, table, ARRAY_ROWS(table), action);
 }
 
-pdyn_status visibility_create(struct neighbours *n, struct occlusion *occlusion) {
+pdyn_status visibility_create(struct neighbours *n, const struct neighbours_def *def) {
     struct visibility *v = &n->visibility;
-    if (!occlusion) return PDYN_OK;
-    v->occlusion = occlusion;
+    if (!def->occlusion) return PDYN_OK;
+    v->occlusion = def->occlusion, v->face_x = def->face_x;
     bool complete = resize_arrays(n, ARRAYS_ALLOCATE);
     n->view.granted = v->granted;
     return complete ? PDYN_OK : PDYN_NO_MEMORY;
@@ -94,6 +94,31 @@ static const double *frozen_position(const struct neighbours *n, int i) {
 static bool is_hidden(const struct neighbours *n, int i, int j) {
     return occlusion_blocks(n->visibility.occlusion, i, frozen_position(n, i), j,
                             frozen_position(n, j));
+}
+
+/* Computes where the segment from a to a point of a vessel, which lies behind its face, meets the
+ * face. face: the foot of the point. False: a is behind the face, too, or the point is on it. */
+static bool find_on_face(const double *a, const double *point, const double *face, double *at) {
+    double normal[3], to_point[3];
+    vec3_subtract(normal, face, point);
+    vec3_subtract(to_point, point, a);
+    double behind = vec3_dot(normal, normal), before = -behind - vec3_dot(normal, to_point);
+    if (!(behind > 0.0 && before > 0.0)) return false;
+    memcpy(at, a, 3 * sizeof *at);
+    vec3_add(at, before / (before + behind), to_point);
+    return true;
+}
+
+/* Whether a surface hides boundary point j from particle i. Behind the face of a vessel are things
+ * outside of it, as a crate beside a tank: they hide nothing from the fluid inside. */
+static bool is_point_hidden(const struct neighbours *n, int i, int j) {
+    const struct visibility *v = &n->visibility;
+    const double *a = frozen_position(n, i),
+                 *face = v->face_x + 3 * (size_t)(j - n->view.particles);
+    double at[3];
+    if (!is_hidden(n, i, j)) return false;
+    return !find_on_face(a, frozen_position(n, j), face, at) ||
+           occlusion_separates(v->occlusion, a, at);
 }
 
 /* Whether fluid particle j was in the previous list of i. */
@@ -185,7 +210,7 @@ static int move_samples(struct lists *l, int from, int last, int to) {
 static int hide_points(struct neighbours *n, int i, int from, int last, int to) {
     struct lists *l = &n->lists;
     for (int s = from; s < last; s++)
-        if (!is_hidden(n, i, l->index[s])) l->index[to++] = l->index[s];
+        if (!is_point_hidden(n, i, l->index[s])) l->index[to++] = l->index[s];
     return to;
 }
 

@@ -42,6 +42,15 @@ static pdyn_status create_occlusion(struct pdyn_sim *sim, double spacing) {
                             support_of(sim, spacing) + skin_size * spacing, &sim->occlusion);
 }
 
+/* Where surfaces may hide boundary points. */
+static pdyn_status create_faces(struct pdyn_sim *sim) {
+    if (!sim->occlusion) return PDYN_OK;
+    sim->face_x = NEW_ARRAY(sim->context, 3 * (size_t)sim->boundary.at.count + 1, double);
+    if (!sim->face_x) return PDYN_NO_MEMORY;
+    solid_points_find_faces(sim, 0, kinematic_first_point(sim), sim->boundary.at.x);
+    return PDYN_OK;
+}
+
 static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
     const struct scene_settings *settings = &sim->scene.settings;
     int particles = extended_count(sim), boundary = sim->boundary.at.count;
@@ -67,6 +76,7 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
         .has_volumes = settings->boundary->volumes,
         .kernel = settings->kernel,
         .occlusion = sim->occlusion,
+        .face_x = sim->face_x,
         .samples = sim->objective.samples};
     if (status == PDYN_OK)
         status = neighbours_create(sim->context, &def, &sim->objective.neighbours);
@@ -120,6 +130,7 @@ pdyn_status lists_create(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = create_border(sim, model->strip * spacing);
     if (status == PDYN_OK) status = samples_create(sim->context, &samples, &sim->objective.samples);
     if (status == PDYN_OK) status = create_occlusion(sim, spacing);
+    if (status == PDYN_OK) status = create_faces(sim);
     if (status == PDYN_OK) status = create_neighbours(sim, spacing);
     if (status == PDYN_OK) status = make_limits(sim);
     if (status != PDYN_OK) return status;
@@ -137,6 +148,7 @@ void lists_free(struct pdyn_sim *sim) {
     FREE_ARRAY(sim->context, sim->max_step, extended_count(sim));
     neighbours_free(sim->objective.neighbours);
     samples_free(sim->objective.samples);
+    FREE_ARRAY(sim->context, sim->face_x, 3 * (size_t)sim->boundary.at.count + 1);
     occlusion_free(sim->occlusion);
     border_free(&sim->border);
     boundary_points_free(sim->context, &sim->boundary);

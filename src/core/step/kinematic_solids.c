@@ -5,6 +5,7 @@
 #include "given_motion.h"
 #include "scene/poses.h"
 #include "sim.h"
+#include "solid_points.h"
 #include "sph/boundary.h"
 
 #include "projdyn/control.h"
@@ -82,6 +83,11 @@ void kinematic_move(struct pdyn_sim *sim, double time) {
         size_t at = 3 * (size_t)(m->first - resting);
         pose_place(&m->solid->motion, moving->rest.x + at, m->count, time,
                    sim->boundary.at.x + 3 * (size_t)m->first);
+        if (sim->face_x) {
+            double *face = sim->face_x + 3 * (size_t)m->first;
+            solid_points_find_faces(sim, m->first, m->count, moving->rest.x + at);
+            pose_place(&m->solid->motion, face, m->count, time, face);
+        }
         if (!moving->layer.count) continue;
         pose_place(&m->solid->motion, moving->rest_layer.x + at, m->count, time,
                    moving->layer.x + at);

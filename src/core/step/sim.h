@@ -80,11 +80,12 @@ struct pdyn_sim {
 
     /* Bodies and solids. */
     int bodies;
-    pdyn_body *body;                   /* bodies as modules see them */
-    struct topology *topology;         /* bodies; empty for bodies of particles */
-    double *rest;                      /* particles x 3, m: rest positions */
-    struct live_particles *live;       /* NULL: all particles are live */
-    struct boundary_points boundary;   /* boundary points on solids */
+    pdyn_body *body;                 /* bodies as modules see them */
+    struct topology *topology;       /* bodies; empty for bodies of particles */
+    double *rest;                    /* particles x 3, m: rest positions */
+    struct live_particles *live;     /* NULL: all particles are live */
+    struct boundary_points boundary; /* boundary points on solids */
+    double *face_x; /* boundary x 3, m: see neighbours_def; NULL: nothing hides boundary points */
     struct kinematic_solids kinematic; /* the solids that move, with the last boundary points */
     struct carried *carried;           /* beside moving solids; NULL: nothing is carried */
     struct border border;              /* of the surfaces with samples that hide particles */

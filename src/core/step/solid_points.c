@@ -7,6 +7,9 @@
 #include "sph/point_volumes.h"
 
 #include "projdyn/kernel.h"
+#include "projdyn/vec3.h"
+
+#include <string.h>
 
 static pdyn_status sample_shape(struct pdyn_sim *sim, const struct scene_solid *solid,
                                 double spacing) {
@@ -43,6 +46,17 @@ pdyn_status solid_points_sample(struct pdyn_sim *sim, double spacing) {
         if (status == PDYN_OK) status = kinematic_add(sim, &scene->solid[k], first);
     }
     return status;
+}
+
+void solid_points_find_faces(struct pdyn_sim *sim, int first, int count, const double *at) {
+    const struct scene_settings *settings = &sim->scene.settings;
+    double behind = boundary_outside(settings->boundary, settings->kernel) * sim_spacing(sim);
+    double *face = sim->face_x + 3 * (size_t)first;
+    for (int k = 0; k < count; k++, at += 3, face += 3) {
+        const struct boundary_point *point = &sim->boundary.point[first + k];
+        memcpy(face, at, 3 * sizeof *face);
+        if (point->of_box) vec3_add(face, behind, point->normal);
+    }
 }
 
 static pdyn_status published_volumes(struct pdyn_sim *sim, int first, int count, double spacing,
