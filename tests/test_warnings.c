@@ -845,6 +845,29 @@ static void test_heavy(void **state) {
     assert_false(is_too_light(SCENE(STEPS, LAYERS("", CUBE_OF("950")), CONTACT("0.004"))));
 }
 
+#define ROD_OF(density)                                                                            \
+    "{'name': 'cube', 'rigid': {'box': {'minimum': [-0.06, 0.1, -0.01], 'maximum': [0.06, 0.12, "  \
+    "0.01]}, 'density': " density "}}"
+
+/* A rod as thick as a spacing exceeds its water by 0.7 and 1.2 of a layer: water carries it like a
+ * cube, not like a plate. */
+static void test_heavy_rod(void **state) {
+    (void)state;
+    assert_true(is_too_light(SCENE(STEPS, LAYERS("", ROD_OF("1700")), "")));
+    assert_false(is_too_light(SCENE(STEPS, LAYERS("", ROD_OF("2200")), "")));
+}
+
+/* The density of a rigid body is mass over volume: of this ball 1000 kg/m^3 and a rounding error.
+ * It is as heavy as the water. */
+static void test_neutral(void **state) {
+    (void)state;
+    assert_false(is_too_light(
+        SCENE(STEPS,
+              LAYERS("", "{'name': 'cube', 'rigid': {'sphere': {'center': [0.56, 0.13, 0], "
+                         "'radius': 0.022}, 'density': 1000}}"),
+              CONTACT("0.002"))));
+}
+
 /* The distances of particles from a ball are any: those that are too close have room elsewhere. */
 static void test_room_around_ball(void **state) {
     (void)state;
@@ -891,6 +914,8 @@ int main(void) {
         cmocka_unit_test(test_far),
         cmocka_unit_test(test_room),
         cmocka_unit_test(test_heavy),
+        cmocka_unit_test(test_heavy_rod),
+        cmocka_unit_test(test_neutral),
         cmocka_unit_test(test_room_above),
         cmocka_unit_test(test_room_by_kind),
         cmocka_unit_test(test_room_around_ball),

@@ -11,11 +11,11 @@
 /* Mean edge lengths of meshes in fluid, in particle spacings (docs/results/interface.md). */
 static const double min_edge = 0.25, max_edge = 8.0;
 /* Shares of the mass of a layer of particles: a sheet below the first stays on the water; a flat
- * body, whose shortest side is at most half of the longest, that exceeds its water by the second or
- * less is not let down by it, and another body by the third or less. */
+ * body, whose shortest side is at most half of the middle one, that exceeds its water by the second
+ * or less is not let down by it, and another body, a rod among them, by the third or less. */
 static const double light_share = 0.02, flat_share = 0.5, thick_share = 1.0;
 static const double flatness = 0.5;
-static const double rounding = 1e-9; /* relative error of lengths that a scene gives in decimals */
+static const double rounding = 1e-9; /* relative error of lengths and densities of a scene */
 /* Width of a strip that flows around, in particle spacings. */
 static const double narrow = 2.0;
 
@@ -89,6 +89,12 @@ static double shortest_side(const struct box *box) {
     return shortest;
 }
 
+static double middle_side(const struct box *box) {
+    double sum = 0.0;
+    for (int a = 0; a < 3; a++) sum += box->max[a] - box->min[a];
+    return sum - shortest_side(box) - box_extent(box);
+}
+
 /* Mass that a body exceeds its water by, kg/m^2: of a sheet per area, of a closed body along its
  * shortest side, m. Half of the thickness lies around a rigid body. */
 static double excess_of(const struct pdyn_sim *sim, int b, const pdyn_body *fluid,
@@ -106,7 +112,7 @@ static void check_sinking(struct pdyn_sim *sim, int b, const pdyn_body *fluid, b
     const char *name = sim->scene.body[b].name, *wet = sheet ? ", or `permeability`" : "";
     struct box box = extent_of_body(sim, &sim->body[b]);
     double shortest = shortest_side(&box), excess = excess_of(sim, b, fluid, shortest);
-    bool flat = sheet || shortest <= (1.0 + rounding) * flatness * box_extent(&box);
+    bool flat = sheet || shortest <= (1.0 + rounding) * flatness * middle_side(&box);
     double most = (flat ? flat_share : thick_share) * 2.0 * fluid->radius * fluid->rest_density;
     if (excess < 0.0)
         WARN(
@@ -135,7 +141,8 @@ static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
              "its %.3g kg/m^2 are %.2g of a layer of particles %.3g m apart: it stays on the "
              "\"%s\", and its steps need many iterations; with `permeability` it sinks",
              body->area_density, body->area_density / layer, spacing, fluid->name);
-    else if (sheet || body->density > fluid->rest_density) check_sinking(sim, b, fluid, sheet);
+    else if (sheet || body->density > (1.0 + rounding) * fluid->rest_density)
+        check_sinking(sim, b, fluid, sheet);
 }
 
 static void check_edges(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
