@@ -132,7 +132,7 @@ MISTAKES = [
     Mistake("cloth in millimetres", change(("bodies.1.surface.grid.size", [1000, 1000]), ("solids", []), ("bodies.0", None)),
             "[scale]"),
     Mistake("a needle in a mesh of cloth", change(("bodies.0", None), ("bodies.0.surface", {"mesh": "needles.obj", "area_density": 0.2}),
-                                                  ("bodies.0.constraints.1", None), ("contact", None)), "1 of its triangles"),
+                                                  ("bodies.0.constraints.1", None), ("contact", None)), "1 of its triangles is a hundred"),
     Mistake("cells larger than the mesh is thick", change(("bodies.0", None), ("bodies.0", {
         "name": "soft", "volume": {"mesh": "huge.obj", "scale": 1e-4, "cell": 0.03, "density": 900},
         "constraints": [{"type": "tet", "stiffness": 2e4}]})), "[coarse]"),

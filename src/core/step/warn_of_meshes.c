@@ -135,11 +135,10 @@ static void check_slivers(struct pdyn_sim *sim, int b) {
         if (!count++) first = x[0];
     }
     if (count)
-        WARN(
-            sim, SLIVERS, body->name,
-            "%d of its triangles are a hundred times as long as high, or more, the first at (%.4g, "
-            "%.4g, %.4g) m: steps need many iterations",
-            count, first[0], first[1], first[2]);
+        WARN(sim, SLIVERS, body->name,
+             "%d of its triangles %s a hundred times as long as high, or more, the first at (%.4g, "
+             "%.4g, %.4g) m: steps need many iterations",
+             count, count == 1 ? "is" : "are", first[0], first[1], first[2]);
 }
 
 /* Young's modulus along the sides of length a over the given one, of a sheet of springs whose cells
