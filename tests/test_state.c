@@ -146,10 +146,9 @@ static unsigned values_of(pdyn_sim *sim) {
 }
 
 /* Weights that `begin` leaves as they are do not change H: a factor lasts until one changes. */
-static void test_same_weights(void **state) {
-    (void)state;
+static void expect_values(void (*begin)(const void *, const pdyn_batch *, int, int)) {
     pdyn_constraint_type type = *pdyn_plugin_table.constraints[0];
-    type.begin = begin_nothing, type.weight = weight_of_time;
+    type.begin = begin, type.weight = weight_of_time;
     const pdyn_constraint_type *const types[] = {&type, NULL};
     const pdyn_plugin plugin = {PDYN_ABI, "weights", types, NULL};
     pdyn_context *context = test_context(1);
@@ -167,6 +166,12 @@ static void test_same_weights(void **state) {
     assert_int_equal(values_of(sim), before + 1);
     pdyn_free(sim);
     pdyn_destroy(context);
+}
+
+static void test_same_weights(void **state) {
+    (void)state;
+    expect_values(begin_nothing);
+    expect_values(weight_of_time);
 }
 
 int main(void) {

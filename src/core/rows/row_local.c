@@ -141,15 +141,17 @@ static void gather_start(void *arg, int first, int last, int block) {
     gather_rows(b, row, end, c->start->x_base);
 }
 
-/* Computes the weights of the elements [first, last); whether one of them changes. */
-static bool weigh_again(struct batch *b, int first, int last) {
+/* Begins the step of the elements [first, last) and computes their weights. Returns whether one of
+ * these changes. */
+static bool begin_elements(struct batch *b, int first, int last) {
     enum { GROUP = 64 };
     double before[GROUP];
     bool changes = false;
     for (int e = first; e < last; e += GROUP) {
         int end = last - e > GROUP ? e + GROUP : last;
         size_t bytes = (size_t)(end - e) * sizeof *before;
-        memcpy(before, b->view.weight + e, bytes);
+        memcpy(before, b->view.weight + e, bytes); /* begin may write weights */
+        b->type->begin(b->params, &b->view, e, end);
         rows_weigh(b, e, end);
         changes |= memcmp(before, b->view.weight + e, bytes) != 0;
     }
@@ -158,8 +160,7 @@ static bool weigh_again(struct batch *b, int first, int last) {
 
 static void begin_rows(void *arg, int first, int last, int block) {
     struct batch *b = arg;
-    b->type->begin(b->params, &b->view, first, last);
-    b->partial[block] = weigh_again(b, first, last);
+    b->partial[block] = begin_elements(b, first, last);
 }
 
 void rows_begin_damper(struct batch *b, const struct step_start *start) {
