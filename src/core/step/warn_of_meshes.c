@@ -81,8 +81,8 @@ static void check_distance(struct pdyn_sim *sim, int b) {
          particles ? "apart" : "on average");
 }
 
-/* Extent of all bodies and of all solids but one together, m; INFINITY: nothing is there at the
- * start. */
+/* Extent of all bodies and of all solids but one together, m; INFINITY: nothing, or one particle,
+ * is there at the start. */
 static double extent_beside(const struct pdyn_sim *sim, int solid) {
     struct box box = box_empty;
     for (int i = 0; i < sim->objective.particles; i++)
@@ -92,7 +92,7 @@ static double extent_beside(const struct pdyn_sim *sim, int solid) {
         for (int i = 0; s != solid && i < mesh->vertices; i++)
             box_add(&box, mesh->vertex + 3 * (size_t)i);
     }
-    return box.min[0] <= box.max[0] ? box_extent(&box) : INFINITY;
+    return box.min[0] <= box.max[0] && box_extent(&box) > 0.0 ? box_extent(&box) : INFINITY;
 }
 
 static void check_scale_of_solids(struct pdyn_sim *sim) {
@@ -100,8 +100,8 @@ static void check_scale_of_solids(struct pdyn_sim *sim) {
         const struct scene_solid *solid = &sim->scene.solid[s];
         struct box box = box_around(solid->mesh.vertex, solid->mesh.vertices);
         double extent = box_extent(&box);
-        double times = extent / extent_beside(sim, s);
         if (solid->kind != SOLID_MESH) continue;
+        double times = extent / extent_beside(sim, s);
         if (extent < min_extent || extent > max_extent)
             WARN(sim, SCALE, solid->name,
                  "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh",
@@ -109,8 +109,7 @@ static void check_scale_of_solids(struct pdyn_sim *sim) {
         else if (times > max_solid_times)
             WARN(sim, SCALE, solid->name,
                  "it is %.3g m long, %.2g times as long as all bodies and other solids; lengths "
-                 "are in "
-                 "metres, \"scale\" changes the unit of a mesh",
+                 "are in metres, \"scale\" changes the unit of a mesh",
                  extent, times);
     }
 }
