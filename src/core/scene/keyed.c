@@ -1,5 +1,6 @@
 #include "keyed.h"
 
+#include "angles.h"
 #include "base/param_kind.h"
 #include "params.h"
 
@@ -26,8 +27,10 @@ pdyn_status keyed_check_time(const struct json_at *at, double before, double tim
 static pdyn_status read_numbers(const struct json_at *owner, const pdyn_param *p, double *out) {
     struct json_at at = json_member(owner, p->name);
     int numbers = param_numbers(p);
-    return numbers == 1 ? params_real(&at, p->min, p->max, p->unit, out)
-                        : params_reals(&at, numbers, p->min, p->max, p->unit, out);
+    pdyn_status status = numbers == 1 ? params_real(&at, p->min, p->max, p->unit, out)
+                                      : params_reals(&at, numbers, p->min, p->max, p->unit, out);
+    if (status == PDYN_OK) angles_note(&at, p->unit, out, numbers);
+    return status;
 }
 
 /* Reads {"time": s, "NAME": value}. */

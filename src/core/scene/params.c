@@ -57,6 +57,7 @@ static pdyn_status read_real(const struct json_at *at, const pdyn_param *param,
                              const struct scene_body *body, void *field) {
     (void)body;
     pdyn_status status = params_real(at, param->min, param->max, param->unit, field);
+    if (status == PDYN_OK) angles_note(at, param->unit, field, 1);
     if (status == PDYN_OK || !json_is_number(at->value) || !*param->doc) return status;
     char text[ERROR_LENGTH];
     text_clip(text, sizeof text, pdyn_last_error(NULL));
