@@ -173,7 +173,7 @@ static const struct {
      "mean \"constraints.spring\"?"},
     {"bodies.water.viscosity=1",
      "--set bodies.water.viscosity=1: bodies[0]: unknown key \"viscosity\"; did you mean "
-     "\"viscosity\" in the \"constraints\" of the body?"},
+     "\"viscosity\" in the \"constraints\" of a fluid?"},
     {"bodies.7.velocity=[0, 0, 1]", "--set bodies.7.velocity=[0, 0, 1]: no element \"7\"; known: 0 "
                                     "(water), 1 (sheet); to add one, set the whole array"},
     {"bodies.sheet.constraints.pin.stiffness=1",

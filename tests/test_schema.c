@@ -31,7 +31,8 @@ static int tear_down(void **state) {
 
 static void test_near_miss(void **state) {
     (void)state;
-    static const char *const names[] = {"radius", "rest_density", "fill", "stretching_stiffness"};
+    static const char *const names[] = {"radius", "rest_density", "fill", "stretching_stiffness",
+                                        "type",   "duration"};
     static const struct {
         const char *word, *nearest;
     } cases[] = {
@@ -41,6 +42,8 @@ static void test_near_miss(void **state) {
         {"density", "rest_density"},
         {"stiffness", "stretching_stiffness"},
         {"fil", "fill"},
+        {"time", NULL},
+        {"iterations", NULL},
         {"xyz", NULL},
         {"", NULL},
         {"temperature", NULL},

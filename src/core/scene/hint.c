@@ -3,6 +3,7 @@
 #include "base/text.h"
 
 #include <ctype.h>
+#include <stdbool.h>
 #include <string.h>
 
 enum { MAX_WORD = 64 }; /* longest word, in characters, for which a suggestion is made */
@@ -30,18 +31,22 @@ static int edit_distance(const char *a, const char *b) {
     return row[n];
 }
 
-const char *hint_closest(const char *name, const char *const *names, int count) {
-    size_t length = strlen(name);
+/* Whether the shorter word, of at least 4 letters, is a part of the longer one. */
+static bool is_part(const char *a, const char *b) {
+    return (strlen(a) > 3 && strstr(b, a)) || (strlen(b) > 3 && strstr(a, b));
+}
+
+const char *hint_closest(const char *word, const char *const *names, int count) {
+    size_t length = strlen(word);
     if (!length || length > MAX_WORD) return NULL;
     const char *nearest = NULL;
-    int best = (int)(length + 2) / 3 + 1; /* at most a third of the letters may differ */
+    int least = MAX_WORD + 1;
     for (int i = 0; i < count; i++) {
-        if (strlen(names[i]) > MAX_WORD) continue;
-        int distance = edit_distance(name, names[i]);
-        bool within = (length > 3 && strstr(names[i], name)) ||
-                      (strlen(names[i]) > 3 && strstr(name, names[i]));
-        if (within) distance = min_int(distance, best - 1);
-        if (distance < best) best = distance, nearest = names[i];
+        size_t longer = strlen(names[i]) > length ? strlen(names[i]) : length;
+        if (longer > MAX_WORD) continue;
+        int most = longer < 6 ? 1 : (int)longer / 3, distance = edit_distance(word, names[i]);
+        if (is_part(word, names[i])) distance = min_int(distance, most);
+        if (distance <= most && distance < least) least = distance, nearest = names[i];
     }
     return nearest;
 }
@@ -78,13 +83,18 @@ static const char *const translations[][2] = {
     {"emitters", "inlets"},
     {"inlets", "particles"},
     {"fill", "particles"},
-    {"radius", "particles"},
     {"particleRadius", "radius"},
     {"particle_radius", "radius"},
     {"mass", "area_density"},
+    {"mass", "density"},
     {"viscosity", "constraints"},
     {"stiffness", "constraints"},
+    {"volume_stiffness", "constraints"},
+    {"stretching_stiffness", "constraints"},
+    {"bending_rigidity", "constraints"},
+    {"damping", "constraints"},
     {"mesh", "surface"},
+    {"vertices", "surface"},
     {"cloth", "surface"},
     {"cloth", "spring"},
     {"stretch", "spring"},
@@ -99,10 +109,13 @@ static const char *const translations[][2] = {
     {"entities", "bodies"},
     {"particles", "bodies"},
     {"iterations", "outer_iterations"},
+    {"iterations", "solver"},
+    {"cg_iterations", "linear_iterations"},
     {"tol", "tolerance"},
     {"scheme", "integrator"},
     {"mu", "friction"},
     {"file", "mesh"},
+    {"filename", "mesh"},
     {"geometry", "mesh"},
     {"diameter", "radius"},
     {"spacing", "radius"},
@@ -129,6 +142,7 @@ static const char *const translations[][2] = {
     {"neohookean", "tet"},
     {"corotated", "tet"},
     {"orientation", "rotate"},
+    {"rotation", "rotate"},
     {"velocity", "speed"},
     {"velocity", "motion"},
     {"min", "minimum"},

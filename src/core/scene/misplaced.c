@@ -39,16 +39,24 @@ static const char *const of_shape[][2] = {{"particles", "fill"},
                                           {"rigid", "rotate"},
                                           {"rigid", "translate"},
                                           {"rigid", "angular_velocity"}};
-static const char *const elsewhere[][2] = {
-    {"friction", "\"contact.friction\" of the scene"},
-    {"thickness", "\"contact.thickness\" of the scene"},
-    {"restitution", "\"contact.damping_ratio\" of the scene"},
-    {"gravity", "\"gravity\" of the scene"},
-    {"kernel", "\"kernel\" of the scene"},
-    {"boundary", "\"boundary\" of the scene"},
-    {"rest_density", "\"particles.rest_density\" of the body"},
-    {"viscosity", "\"viscosity\" in the \"constraints\" of the body"},
-    {"surface_tension", "\"surface_tension\" in the \"constraints\" of the body"}};
+enum where { ANYWHERE, IN_FLUID, NOT_IN_FLUID }; /* objects in which a key is unknown */
+static const struct {
+    const char *key, *place;
+    enum where where;
+} elsewhere[] = {
+    {"friction", "\"contact.friction\" of the scene", NOT_IN_FLUID},
+    {"thickness", "\"contact.thickness\" of the scene", ANYWHERE},
+    {"restitution", "\"contact.damping_ratio\" of the scene", NOT_IN_FLUID},
+    {"contact", "\"contact\" of the scene", ANYWHERE},
+    {"gravity", "\"gravity\" of the scene", ANYWHERE},
+    {"kernel", "\"kernel\" of the scene", ANYWHERE},
+    {"boundary", "\"boundary\" of the scene", ANYWHERE},
+    {"outlets", "\"outlets\" of the scene", ANYWHERE},
+    {"time_step", "\"time_step\" of the scene", ANYWHERE},
+    {"rest_density", "\"particles.rest_density\" of the body", IN_FLUID},
+    {"viscosity", "\"viscosity\" in the \"constraints\" of a fluid", ANYWHERE},
+    {"surface_tension", "\"surface_tension\" in the \"constraints\" of a fluid", ANYWHERE},
+};
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
@@ -78,10 +86,25 @@ static bool hint_shape(const struct json_at *at, char *hint, size_t size) {
     return false;
 }
 
+/* Whether the object is a body of particles, or a part of one. */
+static bool is_in_fluid(const struct json_at *object) {
+    for (; object; object = object->parent)
+        if (json_object_get(object->value, "particles")) return true;
+    return false;
+}
+
+/* Whether the object is a constraint of this type, which has a parameter of another name. */
+static bool is_constraint(const struct json_at *object, const char *type) {
+    const char *found = json_string_value(json_object_get(object->value, "type"));
+    return found && !strcmp(found, type);
+}
+
 static bool hint_elsewhere(const struct json_at *at, char *hint, size_t size) {
-    for (size_t k = 0; at->parent->parent && k < COUNT(elsewhere); k++)
-        if (!strcmp(at->key, elsewhere[k][0])) {
-            text_append(hint, size, "; did you mean %s?", elsewhere[k][1]);
+    enum where other = is_in_fluid(at->parent) ? NOT_IN_FLUID : IN_FLUID;
+    if (!at->parent->parent || is_constraint(at->parent, at->key)) return false;
+    for (size_t k = 0; k < COUNT(elsewhere); k++)
+        if (!strcmp(at->key, elsewhere[k].key) && elsewhere[k].where != other) {
+            text_append(hint, size, "; did you mean %s?", elsewhere[k].place);
             return true;
         }
     return false;
