@@ -65,8 +65,7 @@ def set_attribute(mesh, name, values):
     vectors = values.ndim == 2
     kind = "FLOAT_VECTOR" if vectors else "FLOAT"
     attribute = mesh.attributes.get(name) or mesh.attributes.new(name, kind, "POINT")
-    attribute.data.foreach_set("vector" if vectors else "value",
-                               values.ravel())
+    attribute.data.foreach_set("vector" if vectors else "value", values.ravel())
 
 
 def show_frame(mesh, frame):
@@ -81,8 +80,8 @@ def show_frame(mesh, frame):
 
 
 def read_at(frames, time, z_up):
-    """The frame of a series at a time, with z up; z_up: in its file, too. A moving solid has no velocity in its files: differences of
-    the frames before and after give it."""
+    """The frame of a series at a time, with z up. z_up: whether its file has z up, too. A moving
+    solid has no velocity in its files: differences of the frames before and after give it."""
     k = nearest(frames, time)
     frame = read_frame(frames[k][1])
     before, after = frames[max(k - 1, 0)], frames[min(k + 1, len(frames) - 1)]

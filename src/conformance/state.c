@@ -44,7 +44,7 @@ static void check_begin(struct check *check, struct guarded *a, struct guarded *
     begin_steps(b, after_smaller, 2);
     if (keeps || differ(a, b, DATA))
         fault(check, "begin writes other data after another step: data keep state, which saved "
-                     "states lack; it belongs into `memory`");
+                     "states lack; it belongs in `memory`");
 }
 
 /* Calls the callbacks as for another body, in another step. */
@@ -70,7 +70,7 @@ static void check_variables(struct check *check, struct guarded *a, struct guard
     }
     static const char *const message =
         "%s gives another %s after callbacks have run for another body: it keeps state in a "
-        "variable of the plug-in; state belongs into `data` or `memory`";
+        "variable of the plug-in; state belongs in `data` or `memory`";
     if (differ(a, b, WEIGHT)) fault(check, message, "weight", "weight");
     else if (differ(a, b, P)) fault(check, message, "project", "p");
     guarded_free(&other);
