@@ -345,7 +345,8 @@ static void test_dense(void **state) {
     const pdyn_constraint_type *const types[] = {&type, NULL};
     const pdyn_plugin plugin = {PDYN_ABI, "p", types, NULL};
     pdyn_matrix graph;
-    pdyn_context *context = test_context(1);
+    struct warnings warned = {.text = "the matrix is dense"};
+    pdyn_context *context = test_warned_context(1, &warned);
     assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
     pdyn_sim *sim = test_load(context, text);
     assert_false(sim->solver->direct);
@@ -355,7 +356,14 @@ static void test_dense(void **state) {
     double mean[3] = {0.0};
     for (int k = 0; k < 3 * 19 * 19; k++) mean[k % 3] += sim->x[k] / (19 * 19);
     for (int k = 0; k < 3; k++) assert_true(fabs(mean[k] - 0.1) < 0.005);
+    assert_int_equal(warned.count, 0);
     pdyn_free(sim);
+    static const char *const factored[] = {"solver.type=cholesky", "solver.step=projective"};
+    if (!test_lacks_solver(factored[0])) {
+        assert_int_equal(pdyn_load_text(context, quoted(text), "s", factored, 2, &sim), PDYN_OK);
+        assert_int_equal(warned.count, 1);
+        pdyn_free(sim);
+    }
     pdyn_destroy(context);
 }
 
