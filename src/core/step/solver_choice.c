@@ -79,18 +79,19 @@ static pdyn_status find_solver(struct pdyn_sim *sim, const char *name,
 
 void solver_choice_warn(struct pdyn_sim *sim) {
     bool newton = sim->model.model.newton, dynamic = sim->objective.dynamic;
-    if (sim->solver->direct && has_dense_rows(sim))
+    if (!sim->solver->direct) return;
+    if (has_dense_rows(sim))
         warnings_say(sim->context, sim_warning(sim, WARNING_FACTOR, sim->solver->name, 1, 0.0),
-                     "a row of a constraint has more than %d entries: the matrix is dense, and its "
-                     "factor large; \"cg\" needs no factor",
+                     "a row of a constraint has more than %d entries, so the matrix is dense and "
+                     "its factor takes long; \"cg\" needs no factor",
                      MAX_DENSE);
-    if (!sim->solver->direct || !(dynamic || newton)) return;
-    warnings_say(sim->context, sim_warning(sim, WARNING_FACTOR, sim->solver->name, 1, 0.0),
-                 "the matrix of this scene changes (%s), so it is factored in every iteration, %s; "
-                 "\"cg\" needs no factor",
-                 dynamic ? "constraints change every step" : "newton step",
-                 newton ? "with 3 unknowns a particle"
-                        : "after a new analysis where neighbours change");
+    if (dynamic || newton)
+        warnings_say(sim->context, sim_warning(sim, WARNING_FACTOR, sim->solver->name, 1, 0.0),
+                     "the matrix of this scene changes (%s), so it is factored in every iteration, "
+                     "%s; \"cg\" needs no factor",
+                     dynamic ? "constraints change every step" : "newton step",
+                     newton ? "with 3 unknowns a particle"
+                            : "after a new analysis where neighbours change");
 }
 
 static void activate(struct pdyn_sim *sim, int k) {
