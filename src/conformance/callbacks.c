@@ -97,11 +97,6 @@ static void check_update(struct check *check, struct guarded *g, const struct tr
         if (selects_twice(&b->view, r)) fault(check, "row %d selects one particle twice", r);
 }
 
-/* The callback of this name that writes these arrays alone. */
-static struct call call_of(const char *name, callback *plain, unsigned writes) {
-    return (struct call){.name = name, .plain = plain, .writes = writes};
-}
-
 static struct call tangent_call(const pdyn_constraint_type *t) {
     return (struct call){.name = t->tangent ? "tangent" : "tangent_rank1",
                          .tangent = t->tangent ? t->tangent : t->tangent_rank1,
@@ -191,7 +186,7 @@ static void check_lasting_weight(struct check *check, struct guarded *a, const s
 static bool gives_nothing(const pdyn_constraint_type *t) {
     for (const pdyn_param *p = t->params; p->name; p++)
         if (p->kind == PDYN_PATH) return false;
-    return !(t->flags & PDYN_LOSSY) && !t->begin && !t->update && !t->end && !t->matrix_free;
+    return !type_gives_energy(t) && !t->matrix_free;
 }
 
 /* A p that depends on time gives energy: without `begin`, core refuses steps that have it. b has
@@ -204,7 +199,7 @@ static void check_time(struct check *check, struct guarded *a, const struct guar
     for (int k = 0; k < 4 && !depends && gives_nothing(check->type); k++) {
         a->view.time = times[k];
         guarded_run(a, &project, 0, a->view.elements);
-        depends = memcmp(guarded_array(a, P), guarded_array(b, P), a->array[P].bytes) != 0;
+        depends = !guarded_same(a, b, P);
     }
     a->view = view;
     guarded_run(a, &project, 0, a->view.elements);

@@ -97,7 +97,7 @@ static void guarded_call(struct check *check, struct guarded *g, const struct ca
     }
 }
 
-static bool same(const struct guarded *a, const struct guarded *b, int array) {
+bool guarded_same(const struct guarded *a, const struct guarded *b, int array) {
     return !memcmp(guarded_array(a, array), guarded_array(b, array), a->array[array].bytes);
 }
 
@@ -123,7 +123,7 @@ void guarded_compare(struct check *check, struct guarded *a, struct guarded *b,
     for (int k = RANGES - 1; k >= 0 && check->faults == faults; k--)
         call_alone(check, b, call, k * n / RANGES, (k + 1) * n / RANGES);
     for (int k = 0; k < ARRAYS && check->faults == faults; k++)
-        if ((compared & 1u << k) && !same(a, b, k))
+        if ((compared & 1u << k) && !guarded_same(a, b, k))
             fault(check,
                   "%s gives another %s for the same elements in another range or order, or does "
                   "not write all of it",

@@ -30,6 +30,8 @@ void guarded_range(const struct guarded *guarded, int array, int first, int last
                    size_t *end);
 /* Fills the arrays in the bit set `arrays`, at the elements [first, last), with one byte. */
 void guarded_fill(struct guarded *guarded, unsigned arrays, int first, int last, int byte);
+/* Whether the array has the same content in both. */
+bool guarded_same(const struct guarded *a, const struct guarded *b, int array);
 /* Sets u to that of the batch. */
 void guarded_restore_u(struct guarded *guarded);
 
@@ -46,6 +48,11 @@ struct call {
     unsigned writes;           /* bit k: it may write array k */
     bool zeroed;               /* what it writes is zero on entry */
 };
+
+/* The callback of this name that writes these arrays alone. */
+static inline struct call call_of(const char *name, callback *plain, unsigned writes) {
+    return (struct call){.name = name, .plain = plain, .writes = writes};
+}
 
 /* Calls for the elements [first, last), without a check. */
 void guarded_run(const struct guarded *guarded, const struct call *call, int first, int last);

@@ -3,24 +3,14 @@
  */
 #include "guarded.h"
 
-#include <string.h>
-
-static struct call call_of(const char *name, callback *plain) {
-    return (struct call){.name = name, .plain = plain};
-}
-
 static void run(const struct guarded *g, const char *name, callback *plain) {
-    const struct call call = call_of(name, plain);
+    const struct call call = call_of(name, plain, 0);
     if (plain) guarded_run(g, &call, 0, g->view.elements);
 }
 
 static void scale_u(struct guarded *g, double factor) {
     double *u = guarded_array(g, U);
     for (size_t k = 0; k < g->array[U].bytes / sizeof *u; k++) u[k] *= factor;
-}
-
-static bool differ(const struct guarded *a, const struct guarded *b, int array) {
-    return memcmp(guarded_array(a, array), guarded_array(b, array), a->array[array].bytes) != 0;
 }
 
 /* `select`, then `begin` at these multiples of u. */
@@ -40,9 +30,9 @@ static void check_begin(struct check *check, struct guarded *a, struct guarded *
     static const double once[] = {1.0}, after_larger[] = {2.0, 1.0}, after_smaller[] = {0.5, 1.0};
     if (!a->from->type->begin) return;
     begin_steps(a, once, 1), begin_steps(b, after_larger, 2);
-    bool keeps = differ(a, b, DATA);
+    bool keeps = !guarded_same(a, b, DATA);
     begin_steps(b, after_smaller, 2);
-    if (keeps || differ(a, b, DATA))
+    if (keeps || !guarded_same(a, b, DATA))
         fault(check, "begin writes other data after another step: data keep state, which saved "
                      "states lack; it belongs in `memory`");
 }
@@ -71,8 +61,8 @@ static void check_variables(struct check *check, struct guarded *a, struct guard
     static const char *const message =
         "%s gives another %s after callbacks have run for another body: it keeps state in a "
         "variable of the plug-in; state belongs in `data` or `memory`";
-    if (differ(a, b, WEIGHT)) fault(check, message, "weight", "weight");
-    else if (differ(a, b, P)) fault(check, message, "project", "p");
+    if (!guarded_same(a, b, WEIGHT)) fault(check, message, "weight", "weight");
+    else if (!guarded_same(a, b, P)) fault(check, message, "project", "p");
     guarded_free(&other);
 }
 

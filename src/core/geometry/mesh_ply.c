@@ -5,7 +5,6 @@
 #include "ply_number.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 
 /* ---- the header ------------------------------------------------------------------------------ */
@@ -73,7 +72,7 @@ static pdyn_status read_element(struct ply *ply) {
     if (!element.name.length) return scan_expected(&ply->file->in, "an element name", element.name);
     struct word count = scan_word(&ply->file->in);
     double value;
-    if (!word_number(count, &value) || !(value >= 0 && value <= 1e15 && value == floor(value)))
+    if (!word_number(count, &value) || !ply_is_whole(value, 0, 1e15))
         return scan_expected(&ply->file->in, "a number of elements", count);
     element.count = (int64_t)value;
     if (!mesh_file_reserve(ply->file, &ply->element, (ply->elements + 1) * sizeof element))

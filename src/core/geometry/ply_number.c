@@ -22,14 +22,15 @@ static const struct ply_type types[] = {
 
 /* ---- formats: how a number is written -------------------------------------------------------- */
 
-static bool is_whole(double value, double min, double max) {
+bool ply_is_whole(double value, double min, double max) {
     return value >= min && value <= max && value == floor(value);
 }
 
 static bool read_text(struct scan *in, const struct ply_type *type, double *value,
                       struct word *found) {
     *found = scan_word(in);
-    return word_number(*found, value) && (!type->whole || is_whole(*value, type->min, type->max));
+    return word_number(*found, value) &&
+           (!type->whole || ply_is_whole(*value, type->min, type->max));
 }
 
 static bool read_bytes(struct scan *in, const struct ply_type *type, bool big, double *value) {

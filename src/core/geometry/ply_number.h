@@ -19,6 +19,9 @@ struct ply_format {
     bool (*read)(struct scan *in, const struct ply_type *type, double *value, struct word *found);
 };
 
+/* Whether a number is whole and within the range. */
+bool ply_is_whole(double value, double min, double max);
+
 /* NULL: there is no such type or format. */
 const struct ply_type *ply_find_type(struct word name);
 const struct ply_format *ply_find_format(struct word name);

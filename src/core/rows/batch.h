@@ -100,6 +100,12 @@ static inline bool batch_is_steady(const struct batch *b) { return !b->damper &&
 /* Whether its elements come and go. */
 static inline bool batch_comes_and_goes(const struct batch *b) { return !b->op && b->type->update; }
 
+/* Whether constraints of the type may give energy, whatever their parameters are (module.h,
+ * pdyn_constraint_type.energy). */
+static inline bool type_gives_energy(const pdyn_constraint_type *type) {
+    return (type->flags & PDYN_LOSSY) || type->begin || type->update || type->end;
+}
+
 /* Replaces the rows by one constant matrix if the type says that they are linear. u, p and flux are
  * not used then. */
 pdyn_status batch_join_rows(struct batch *batch);

@@ -45,7 +45,7 @@ static pdyn_status create_occlusion(struct pdyn_sim *sim, double spacing) {
 /* Where surfaces may hide boundary points. */
 static pdyn_status create_faces(struct pdyn_sim *sim) {
     if (!sim->occlusion) return PDYN_OK;
-    sim->face_x = NEW_ARRAY(sim->context, 3 * (size_t)sim->boundary.at.count + 1, double);
+    sim->face_x = NEW_VECTOR(sim->context, sim->boundary.at.count);
     if (!sim->face_x) return PDYN_NO_MEMORY;
     solid_points_find_faces(sim, 0, kinematic_first_point(sim), sim->boundary.at.x);
     return PDYN_OK;
@@ -148,7 +148,7 @@ void lists_free(struct pdyn_sim *sim) {
     FREE_ARRAY(sim->context, sim->max_step, extended_count(sim));
     neighbours_free(sim->objective.neighbours);
     samples_free(sim->objective.samples);
-    FREE_ARRAY(sim->context, sim->face_x, 3 * (size_t)sim->boundary.at.count + 1);
+    FREE_VECTOR(sim->context, sim->face_x, sim->boundary.at.count);
     occlusion_free(sim->occlusion);
     border_free(&sim->border);
     boundary_points_free(sim->context, &sim->boundary);

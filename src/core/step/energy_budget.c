@@ -52,8 +52,7 @@ static bool has_path(const struct scene_constraint *c) {
 }
 
 static bool is_source(const struct scene_constraint *c) {
-    const pdyn_constraint_type *type = c->type;
-    return (type->flags & PDYN_LOSSY) || type->begin || type->update || type->end || has_path(c);
+    return type_gives_energy(c->type) || has_path(c);
 }
 
 /* Whether a constraint that has not ended gives energy. */

@@ -25,14 +25,30 @@ static const double max_oblong = 1.2;
 /* Contact thickness of a rigid body, in mean edge lengths; pairs grow with its square. */
 static const double max_thickness = 2.5;
 
+/* Grows the box by all solids but one; -1: by all. */
+static void add_solids_beside(const struct pdyn_sim *sim, int solid, struct box *box) {
+    for (int s = 0; s < sim->scene.solids; s++) {
+        const struct mesh *mesh = &sim->scene.solid[s].mesh;
+        for (int i = 0; s != solid && i < mesh->vertices; i++)
+            box_add(box, mesh->vertex + 3 * (size_t)i);
+    }
+}
+
 /* Extent of all solids together, m; INFINITY: there are none. */
 static double extent_of_solids(const struct pdyn_sim *sim) {
     struct box box = box_empty;
-    for (int s = 0; s < sim->scene.solids; s++) {
-        const struct mesh *mesh = &sim->scene.solid[s].mesh;
-        for (int i = 0; i < mesh->vertices; i++) box_add(&box, mesh->vertex + 3 * (size_t)i);
-    }
+    add_solids_beside(sim, -1, &box);
     return sim->scene.solids ? box_extent(&box) : INFINITY;
+}
+
+/* Warns of a length that does not occur in practice. Returns whether it is one. */
+static bool warn_of_length(struct pdyn_sim *sim, const char *name, double extent) {
+    bool unusual = extent < min_extent || extent > max_extent;
+    if (unusual)
+        WARN(sim, SCALE, name,
+             "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh",
+             extent);
+    return unusual;
 }
 
 static void check_scale(struct pdyn_sim *sim, int b) {
@@ -40,11 +56,7 @@ static void check_scale(struct pdyn_sim *sim, int b) {
     struct box box = extent_of_body(sim, body);
     double extent = box_extent(&box), times = extent / extent_of_solids(sim);
     if (body_is_particles(body)) return;
-    if (extent < min_extent || extent > max_extent)
-        WARN(sim, SCALE, body->name,
-             "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh",
-             extent);
-    else if (times > max_times)
+    if (!warn_of_length(sim, body->name, extent) && times > max_times)
         WARN(sim, SCALE, body->name,
              "it is %.3g m long, %.2g times as long as all solids; lengths are in metres, "
              "\"scale\" changes the unit of a mesh",
@@ -87,26 +99,17 @@ static double extent_beside(const struct pdyn_sim *sim, int solid) {
     struct box box = box_empty;
     for (int i = 0; i < sim->objective.particles; i++)
         if (particle_is_live(sim, i)) box_add(&box, sim->x + 3 * (size_t)i);
-    for (int s = 0; s < sim->scene.solids; s++) {
-        const struct mesh *mesh = &sim->scene.solid[s].mesh;
-        for (int i = 0; s != solid && i < mesh->vertices; i++)
-            box_add(&box, mesh->vertex + 3 * (size_t)i);
-    }
+    add_solids_beside(sim, solid, &box);
     return box.min[0] <= box.max[0] && box_extent(&box) > 0.0 ? box_extent(&box) : INFINITY;
 }
 
 static void check_scale_of_solids(struct pdyn_sim *sim) {
     for (int s = 0; s < sim->scene.solids; s++) {
         const struct scene_solid *solid = &sim->scene.solid[s];
-        struct box box = box_around(solid->mesh.vertex, solid->mesh.vertices);
-        double extent = box_extent(&box);
         if (solid->kind != SOLID_MESH) continue;
-        double times = extent / extent_beside(sim, s);
-        if (extent < min_extent || extent > max_extent)
-            WARN(sim, SCALE, solid->name,
-                 "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh",
-                 extent);
-        else if (times > max_solid_times)
+        struct box box = box_around(solid->mesh.vertex, solid->mesh.vertices);
+        double extent = box_extent(&box), times = extent / extent_beside(sim, s);
+        if (!warn_of_length(sim, solid->name, extent) && times > max_solid_times)
             WARN(sim, SCALE, solid->name,
                  "it is %.3g m long, %.2g times as long as all bodies and other solids; lengths "
                  "are in metres, \"scale\" changes the unit of a mesh",
