@@ -164,7 +164,7 @@ static void oscillate(double stretch, double damping, double highest[2]) {
 /* The default tolerance, a tenth of the weight, is more than the force of a spring that is hardly
  * stretched. A step that repeated the forces of the last one would leave it as it is, or feed the
  * oscillation. BDF2 takes 2 % of its energy in 7 periods of 1.4 s. */
-static void test_oscillation(void **state) {
+static void test_oscillation_long(void **state) {
     (void)state;
     static const double stretch[] = {0.2, 0.05, 0.01};
     for (int k = 0; k < 3; k++) {
@@ -177,7 +177,7 @@ static void test_oscillation(void **state) {
 
 /* A force of 10 N/m x 5 ms times the rate of stretch takes the part 1 - exp(-0.1 t) of the energy;
  * the first and the last of the largest kinetic energies are 6.5 periods apart. */
-static void test_damped_oscillation(void **state) {
+static void test_damped_oscillation_long(void **state) {
     (void)state;
     double highest[2], time = 6.5 * 2.0 * acos(-1.0) / sqrt(20.0);
     oscillate(0.05, 0.005, highest);
@@ -236,10 +236,12 @@ static void test_rigid_weight(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_weight),      cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_seam),        cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_oscillation), cmocka_unit_test(test_damped_oscillation),
-        cmocka_unit_test(test_rigid_weight)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_weight),
+                                       cmocka_unit_test(test_momentum),
+                                       cmocka_unit_test(test_seam),
+                                       cmocka_unit_test(test_memory),
+                                       cmocka_unit_test(test_oscillation_long),
+                                       cmocka_unit_test(test_damped_oscillation_long),
+                                       cmocka_unit_test(test_rigid_weight)};
     return cmocka_run_group_tests_name("attachment", tests, NULL, NULL);
 }

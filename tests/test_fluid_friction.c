@@ -130,7 +130,7 @@ static void test_friction(void **state) {
 }
 
 /* Every solver gives the same result; a failing allocator gives an error at each call. */
-static void test_friction_solvers(void **state) {
+static void test_friction_solvers_long(void **state) {
     (void)state;
     static const char *const solver[4] = {"solver.type=cg", "solver.type=hybrid",
                                           "solver.type=cholesky", "solver.step=projective"};
@@ -170,9 +170,11 @@ static void test_friction_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_carried),          cmocka_unit_test(test_stretched),
-        cmocka_unit_test(test_friction),         cmocka_unit_test(test_friction_threads),
-        cmocka_unit_test(test_friction_solvers),
+        cmocka_unit_test(test_carried),
+        cmocka_unit_test(test_stretched),
+        cmocka_unit_test(test_friction),
+        cmocka_unit_test(test_friction_threads),
+        cmocka_unit_test(test_friction_solvers_long),
     };
     return cmocka_run_group_tests_name("fluid_friction", tests, NULL, NULL);
 }

@@ -287,7 +287,7 @@ static void write_piston(double gap, char text[2048]) {
 
 /* It moves by half a spacing in a step, as far as the first layer is away from its face, and drives
  * that layer before it. */
-static void test_piston(void **state) {
+static void test_piston_long(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     for (double gap = 0.0; gap < 0.9; gap += 0.2) {
@@ -371,7 +371,7 @@ int main(void) {
         cmocka_unit_test(test_speed),
         cmocka_unit_test(test_carried_tank),
         cmocka_unit_test(test_paddle_long),
-        cmocka_unit_test(test_piston),
+        cmocka_unit_test(test_piston_long),
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_no_allocation),
         cmocka_unit_test(test_failing_allocator),

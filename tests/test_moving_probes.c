@@ -142,7 +142,7 @@ static void test_control(void **state) {
           "0.2]}, 'open': ['+y', '-y'], 'motion': [{'time': 0}, {'time': 10, 'translate': [" path  \
           ", 0, 0]}]}], 'probes': [{'wall': [0.1, 0, 0.1], 'on': 'plate'}]")
 
-static void test_plate(void **state) {
+static void test_plate_long(void **state) {
     (void)state;
     static const char *const scenes[] = {PLATE("0", "0"), PLATE("0.5", "5")};
     for (int k = 0; k < COUNT(scenes); k++) {
@@ -192,7 +192,8 @@ static void test_errors(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tank),  cmocka_unit_test(test_places), cmocka_unit_test(test_control),
-        cmocka_unit_test(test_plate), cmocka_unit_test(test_memory), cmocka_unit_test(test_errors)};
+        cmocka_unit_test(test_tank),    cmocka_unit_test(test_places),
+        cmocka_unit_test(test_control), cmocka_unit_test(test_plate_long),
+        cmocka_unit_test(test_memory),  cmocka_unit_test(test_errors)};
     return cmocka_run_group_tests_name("moving probes", tests, scene_set_up, scene_tear_down);
 }

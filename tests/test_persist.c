@@ -169,7 +169,7 @@ static void goes_on_from_each(const char *text, int steps) {
     pdyn_destroy(context);
 }
 
-static void test_every_step(void **state) {
+static void test_every_step_long(void **state) {
     (void)state;
     goes_on_from_each(stirred, 100);
     goes_on_from_each(drawn, 40);
@@ -414,7 +414,7 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_bits),         cmocka_unit_test(test_every_step),
+        cmocka_unit_test(test_same_bits),         cmocka_unit_test(test_every_step_long),
         cmocka_unit_test(test_other_settings),    cmocka_unit_test(test_refused),
         cmocka_unit_test(test_changed_meshes),    cmocka_unit_test(test_failing_module),
         cmocka_unit_test(test_failing_allocator), cmocka_unit_test(test_failing_hold),

@@ -123,7 +123,7 @@ static void test_edge_over_edge(void **state) {
 
 /* Five nails of 10 cm fall onto a floor and each other, and turn fast: where a path stops within a
  * turn, the rigid pose beside it is no closer than a path may lead. */
-static void test_turning_nails(void **state) {
+static void test_turning_nails_long(void **state) {
     (void)state;
     char text[4096] = "{" STEPS_OF(
         "0.005",
@@ -192,7 +192,7 @@ static void test_turning_bars(void **state) {
 }
 
 /* Beside water, whose particles limit displacements: a turn may stop there, too. */
-static void test_turning_bars_in_water(void **state) {
+static void test_turning_bars_in_water_long(void **state) {
     (void)state;
     turn_bars(
         "{" STEPS_OF(
@@ -476,9 +476,9 @@ int main(void) {
         cmocka_unit_test(test_stack),
         cmocka_unit_test(test_light_under_heavy),
         cmocka_unit_test(test_edge_over_edge),
-        cmocka_unit_test(test_turning_nails),
+        cmocka_unit_test(test_turning_nails_long),
         cmocka_unit_test(test_turning_bars),
-        cmocka_unit_test(test_turning_bars_in_water),
+        cmocka_unit_test(test_turning_bars_in_water_long),
         cmocka_unit_test(test_needle),
         cmocka_unit_test(test_floor_of_triangles),
         cmocka_unit_test(test_spinning_ball_slides),

@@ -625,7 +625,7 @@ static pdyn_warning squeezed(const char *scene) {
 }
 
 /* The gap is 0.6 particle spacings of 25 mm, or a whole one, which has room. A free body yields. */
-static void test_gaps(void **state) {
+static void test_gaps_long(void **state) {
     (void)state;
     static const char expected[] = "particles of \"water\" are squeezed between it and \"tank\"";
     pdyn_warning w = squeezed(SOLID_PLATE("-0.035"));
@@ -906,7 +906,7 @@ int main(void) {
         cmocka_unit_test(test_pressed),
         cmocka_unit_test(test_pinned_flat),
         cmocka_unit_test(test_places),
-        cmocka_unit_test(test_gaps),
+        cmocka_unit_test(test_gaps_long),
         cmocka_unit_test(test_without_elements),
         cmocka_unit_test(test_no_stiffness),
         cmocka_unit_test(test_weightless),

@@ -356,7 +356,7 @@ static void examine(const struct variant *variants, size_t count) {
 #define EXAMINE(variants) examine(variants, sizeof(variants) / sizeof *(variants))
 
 /* No false alarm. */
-static void test_good(void **state) {
+static void test_good_long(void **state) {
     (void)state;
     static const struct variant good[] = {
         {NONE, EDGE, BOTH, NULL},       {NONE, EDGE, AT_MOST, NULL}, {NONE, EDGE, AT_LEAST, NULL},
@@ -485,8 +485,8 @@ static void test_rows(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_good),    cmocka_unit_test(test_project),
-        cmocka_unit_test(test_tangent), cmocka_unit_test(test_energy),
+        cmocka_unit_test(test_good_long), cmocka_unit_test(test_project),
+        cmocka_unit_test(test_tangent),   cmocka_unit_test(test_energy),
         cmocka_unit_test(test_rows),
     };
     return cmocka_run_group_tests_name("wrong limits", tests, NULL, NULL);
