@@ -1,6 +1,8 @@
-/* Fast water against walls at the CFL limit: none passes a wall or a plate; the same bits for any
- * number of threads; allocation failures. */
+/* Fast water against walls at the CFL limit: none passes a wall or a plate; bodies on the other
+ * side of a wall; the same bits for any number of threads; allocation failures. */
 #include "support.h"
+
+#include "projdyn/probe.h"
 
 /* A box of water of this velocity, in a scene with these solids. */
 #define SPLASH(velocity, minimum, maximum, solids)                                                 \
@@ -110,9 +112,31 @@ static void test_thin_box(void **state) {
                     "0.24, 0.2, 0.24", ""),                                                        \
           ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.4, 0.4, 0.24]}" more "}]")
 
-static uint64_t hash_of(int threads) {
+/* Water at rest in a tank, 8 x 8 x 8 particles, and a second body. more: keys of the tank */
+#define BESIDE(body, more)                                                                         \
+    SCENE("'duration': 1, 'time_step': {'maximum': 0.004}",                                        \
+          PAIR(FLUID_BOX("'name': 'water', ", "0.01", "0, 0, 0", "0.16, 0.16, 0.16", ""), body),   \
+          ", 'solids': [{" more "}]")
+
+/* An upright sheet at x, m; turn: "0, 0, 90" for one along the wall x = 0 */
+#define SHEET(x, turn)                                                                             \
+    GRID_SHEET("'name': 'curtain', ", "0.3, 0.3", "13, 13",                                        \
+               "'rotate': [" turn "], 'translate': [" x ", 0.1, 0.08], 'area_density': 0.3",       \
+               PAIR(SPRINGS("100"), PINS("'all': true")))
+
+/* 0.7 spacings outside of the wall x = 0 */
+#define CURTAIN(more) BESIDE(SHEET("-0.014", "0, 0, 90"), more)
+
+/* The second tank lies on its side at rest, 1 m away, and its motion brings it to the water. */
+#define UPRIGHT "'box': {'minimum': [0, 0, 0], 'maximum': [0.16, 0.3, 0.16]}, 'open': ['+y']"
+#define TURNED                                                                                     \
+    "'box': {'minimum': [1, 0, -0.14], 'maximum': [1.16, 0.16, 0.16]}, 'open': ['-z'], "           \
+    "'pivot': [1.08, 0.08, 0.08], 'motion': [{'time': 0, 'translate': [-1, 0, 0], 'rotate': [90, " \
+    "0, 0]}]"
+
+static uint64_t hash_of(int threads, const char *scene) {
     pdyn_context *context = test_context(threads);
-    pdyn_sim *sim = test_load(context, PRESSED(""));
+    pdyn_sim *sim = test_load(context, scene);
     for (int n = 0; n < 20; n++) test_step(context, sim);
     uint64_t hash = pdyn_state_hash(sim);
     pdyn_free(sim);
@@ -121,18 +145,24 @@ static uint64_t hash_of(int threads) {
     return hash;
 }
 
+static void check_threads(const char *scene) {
+    uint64_t hash = hash_of(1, scene);
+    assert_true(hash_of(2, scene) == hash);
+    assert_true(hash_of(3, scene) == hash);
+    assert_true(hash_of(8, scene) == hash);
+}
+
 static void test_threads(void **state) {
     (void)state;
-    uint64_t hash = hash_of(1);
-    assert_true(hash_of(2) == hash);
-    assert_true(hash_of(3) == hash);
-    assert_true(hash_of(8) == hash);
+    check_threads(PRESSED(""));
+    check_threads(BESIDE(SHEET("0", "90, 0, 0"), TURNED));
 }
 
 static void test_failing_allocator(void **state) {
     (void)state;
     test_failing_scene(PRESSED(""));
     test_failing_scene(PRESSED(", 'motion': [{'time': 0}, {'time': 1, 'translate': [1, 0, 0]}]"));
+    test_failing_scene(CURTAIN(UPRIGHT));
 }
 
 /* Water at rest, 20 x 8 x 8 particles, with solids; `less` particles are left out. */
@@ -176,17 +206,6 @@ static void test_outside(void **state) {
         3 * 8 * 8);
 }
 
-/* Water at rest in a tank, 8 x 8 x 8 particles, and a sheet 0.7 spacings outside of its wall x = 0.
- * more: keys of the tank */
-#define CURTAIN(more)                                                                              \
-    SCENE("'duration': 1, 'time_step': {'maximum': 0.004}",                                        \
-          PAIR(FLUID_BOX("'name': 'water', ", "0.01", "0, 0, 0", "0.16, 0.16, 0.16", ""),          \
-               GRID_SHEET("'name': 'curtain', ", "0.3, 0.3", "13, 13",                             \
-                          "'rotate': [0, 0, 90], 'translate': [-0.014, 0.1, 0.08], "               \
-                          "'area_density': 0.3",                                                   \
-                          PAIR(SPRINGS("100"), PINS("'all': true")))),                             \
-          ", 'solids': [{" more "}]")
-
 /* The points of a wall lie behind its face: a sheet between both hides none from the water. */
 static void check_curtain(const char *scene) {
     pdyn_context *context = test_context(1);
@@ -200,14 +219,74 @@ static void check_curtain(const char *scene) {
     pdyn_destroy(context);
 }
 
-/* The second tank lies on its side at rest, and its motion turns it upright. */
 static void test_curtain(void **state) {
     (void)state;
-    check_curtain(CURTAIN("'box': {'minimum': [0, 0, 0], 'maximum': [0.16, 0.3, 0.16]}, "
-                          "'open': ['+y']"));
-    check_curtain(CURTAIN("'box': {'minimum': [0, 0, -0.14], 'maximum': [0.16, 0.16, 0.16]}, "
-                          "'open': ['-z'], 'pivot': [0.08, 0.08, 0.08], "
-                          "'motion': [{'time': 0, 'rotate': [90, 0, 0]}]"));
+    check_curtain(CURTAIN(UPRIGHT));
+    check_curtain(CURTAIN(TURNED));
+}
+
+/* The largest force of the water on the second body in 20 steps, N. */
+static double push_on(const char *scene) {
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, scene);
+    double most = 0.0;
+    for (int n = 0; n < 20; n++) {
+        double force[3], moment[3];
+        test_step(context, sim);
+        assert_int_equal(pdyn_body_load_by(sim, 1, PDYN_LOAD_FLUID, force, moment), PDYN_OK);
+        for (int a = 0; a < 3; a++) most = fmax(most, fabs(force[a]));
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return most;
+}
+
+#define RIGID(shape)                                                                               \
+    "{'name': 'body', 'rigid': {" shape                                                            \
+    ", 'density': 500}, 'constraints': [" PINS("'all': true") "]}"
+#define CRATE RIGID("'box': {'minimum': [-0.103, 0.02, 0.03], 'maximum': [-0.003, 0.12, 0.13]}")
+#define BALL  RIGID("'sphere': {'center': [-0.063, 0.06, 0.08], 'radius': 0.06}")
+
+/* Water pushes nothing 0.15 spacings outside of a wall, but what lies on the wall or inside. */
+static void test_push(void **state) {
+    (void)state;
+    const char *outside[] = {BESIDE(CRATE, UPRIGHT), BESIDE(CRATE, TURNED), BESIDE(BALL, UPRIGHT),
+                             BESIDE(SHEET("-0.003", "0, 0, 90"), UPRIGHT)};
+    const char *inside[] = {
+        BESIDE(SHEET("0", "0, 0, 90"), UPRIGHT), BESIDE(SHEET("-1e-4", "0, 0, 90"), UPRIGHT),
+        BESIDE(SHEET("-1e-4", "0, 0, 90"), TURNED), BESIDE(SHEET("0.003", "0, 0, 90"), UPRIGHT)};
+    for (int k = 0; k < 4; k++) assert_true(push_on(outside[k]) == 0.0);
+    for (int k = 0; k < 4; k++) {
+        double push = push_on(inside[k]);
+        if (push < 5.0) fail_msg("sheet %d inside feels %g N", k, push);
+    }
+}
+
+static bool is_listed(const pdyn_neighbours *l, int i, int j) {
+    for (int s = l->start[i]; s < l->end[i]; s++)
+        if (l->index[s] == j) return true;
+    return false;
+}
+
+/* A sheet passes the wall x = 0. Its samples outside are in no list, nor have they one; of all
+ * others, a pair is in both lists. */
+static void test_pairs(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, BESIDE(SHEET("0", "90, 0, 0"), UPRIGHT));
+    const pdyn_neighbours *l = neighbours_view(sim->objective.neighbours);
+    const double *x = sim->objective.samples->x;
+    int first = sim->objective.particles, pairs = 0;
+    for (int i = 0; i < 512; i++)
+        for (int s = l->surface_start[i]; s < l->boundary_start[i]; s++, pairs++) {
+            assert_true(is_listed(l, l->index[s], i));
+            assert_true(x[3 * l->index[s]] > -0.0003);
+        }
+    assert_true(pairs > 1000);
+    for (int j = first; j < l->particles; j++) pairs -= l->end[j] - l->start[j];
+    assert_int_equal(pairs, 0);
+    pdyn_free(sim);
+    pdyn_destroy(context);
 }
 
 int main(void) {
@@ -216,7 +295,8 @@ int main(void) {
         cmocka_unit_test(test_corner),  cmocka_unit_test(test_plate),
         cmocka_unit_test(test_threads), cmocka_unit_test(test_failing_allocator),
         cmocka_unit_test(test_block),   cmocka_unit_test(test_outside),
-        cmocka_unit_test(test_curtain),
+        cmocka_unit_test(test_curtain), cmocka_unit_test(test_push),
+        cmocka_unit_test(test_pairs),
     };
     return cmocka_run_group_tests_name("walls", tests, test_enter_directory, test_leave_directory);
 }

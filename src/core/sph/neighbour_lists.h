@@ -20,8 +20,12 @@ struct lists {
 /* Visibility of pairs; empty in a scene without surfaces. */
 struct visibility {
     struct occlusion *occlusion; /* NULL: no surfaces */
-    const double *face_x;        /* of neighbours_def */
-    double *frozen_x;            /* system x 3, m: positions at which visibility was decided */
+    struct occlusion *walls;     /* NULL: no solids or no samples */
+    const struct surface_samples *samples;
+    const double *face_x, *wall_x; /* of neighbours_def */
+    int wall_vertices;
+    double *frozen_x;     /* system and vertices of walls x 3, m: positions at which visibility was
+                             decided; NULL: nothing hides */
     const double *step_x; /* system x 3, m: positions at the start of the step; NULL after its first
                              local step */
     struct lists previous;  /* the lists built before; of these start, surface_start and index */

@@ -13,7 +13,8 @@
  * has moved by half the skin, or less if boundary points move, too. Pairs are a centre (a fluid
  * particle) with another centre, with a surface sample (both ways), and with a boundary point. Two
  * centres, or a centre and a boundary point, that had a surface between them when the lists were
- * built are no pair: nothing passes through a surface, so it stays between them.
+ * built are no pair: nothing passes through a surface, so it stays between them. Nor are a centre
+ * and a sample on two sides of a solid.
  *
  * A surface may be much larger than the fluid. Its samples outside the box of the centres, grown by
  * the support and two skins, are not near: they have no list, and neither their positions nor their
@@ -22,7 +23,7 @@ struct neighbours;
 
 struct kernel_model;
 
-struct neighbours_def { /* all arrays but layer_x and face_x are copied */
+struct neighbours_def { /* all arrays but layer_x, face_x and wall_x are copied */
     int particles; /* particles of the system, then the surface samples, which are active but no
                       centres */
     const bool *centre; /* particles: is a fluid particle */
@@ -39,6 +40,10 @@ struct neighbours_def { /* all arrays but layer_x and face_x are copied */
     struct occlusion *occlusion; /* surfaces that separate pairs, or NULL; not copied */
     const double *face_x; /* with occlusion: boundary x 3, m: the foot of a point of a vessel on its
                              face, of other points the point; not copied, must stay valid */
+    struct occlusion *walls; /* solids that separate centres from samples, or NULL; not copied */
+    const double *wall_x;    /* their vertices, which follow the particles of the system in `walls`,
+                                x 3, m; not copied, must stay valid */
+    int wall_vertices;
     const struct surface_samples *samples; /* the last particles, or NULL; must stay valid */
 };
 

@@ -6,6 +6,7 @@
 
 #include "projdyn/vec3.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Visibility is decided at the start of a step and is the same in all its local steps, because the
@@ -19,7 +20,7 @@
 static bool resize_arrays(struct neighbours *n, enum array_action action) {
     struct visibility *v = &n->visibility;
     const struct array_entry table[] = {
-        ARRAY(v->frozen_x, 3 * (size_t)n->system),
+        ARRAY(v->frozen_x, 3 * (size_t)(n->system + v->wall_vertices)),
         ARRAY(v->previous.start, n->view.particles),
         ARRAY(v->previous.surface_start, n->view.particles),
         ARRAY(v->granted, n->view.particles),
@@ -30,8 +31,9 @@ static bool resize_arrays(struct neighbours *n, enum array_action action) {
 
 pdyn_status visibility_create(struct neighbours *n, const struct neighbours_def *def) {
     struct visibility *v = &n->visibility;
-    if (!def->occlusion) return PDYN_OK;
-    v->occlusion = def->occlusion, v->face_x = def->face_x;
+    if (!def->occlusion && !def->walls) return PDYN_OK;
+    v->occlusion = def->occlusion, v->face_x = def->face_x, v->samples = def->samples;
+    v->walls = def->walls, v->wall_x = def->wall_x, v->wall_vertices = def->wall_vertices;
     bool complete = resize_arrays(n, ARRAYS_ALLOCATE);
     n->view.granted = v->granted;
     return complete ? PDYN_OK : PDYN_NO_MEMORY;
@@ -45,9 +47,9 @@ void visibility_free(struct neighbours *n) {
 
 void visibility_persist(struct neighbours *n, struct snapshot_file *file) {
     struct visibility *v = &n->visibility;
-    if (!v->occlusion) return;
+    if (!v->frozen_x) return;
     snapshot_file_flags(file, &v->frozen, 1, "the flag of its visibility is neither 0 nor 1");
-    snapshot_file_numbers(file, v->frozen_x, 3 * (size_t)n->system,
+    snapshot_file_numbers(file, v->frozen_x, 3 * (size_t)(n->system + v->wall_vertices),
                           "a position of its visibility is not finite");
     snapshot_file_numbers(file, v->granted, (size_t)n->view.particles,
                           "a granted density is not finite");
@@ -69,8 +71,8 @@ void neighbours_end_step(struct neighbours *n) {
 
 void visibility_store_lists(struct neighbours *n, const double *x) {
     struct visibility *v = &n->visibility;
-    size_t particles = (size_t)n->view.particles;
-    if (!v->occlusion) return;
+    size_t particles = (size_t)n->view.particles, system = 3 * (size_t)n->system;
+    if (!v->frozen_x) return;
     memcpy(v->previous.start, n->lists.start, particles * sizeof(int));
     memcpy(v->previous.surface_start, n->lists.surface_start, particles * sizeof(int));
     int *index = v->previous.index;
@@ -78,7 +80,9 @@ void visibility_store_lists(struct neighbours *n, const double *x) {
     v->previous.index = n->lists.index, v->previous.capacity = n->lists.capacity;
     n->lists.index = index, n->lists.capacity = capacity;
     const double *at = v->step_x ? v->step_x : v->frozen ? NULL : x;
-    if (at) memcpy(v->frozen_x, at, 3 * (size_t)n->system * sizeof *at);
+    if (at) memcpy(v->frozen_x, at, system * sizeof *at);
+    if (at && v->walls)
+        memcpy(v->frozen_x + system, v->wall_x, 3 * (size_t)v->wall_vertices * sizeof *at);
     v->previous_complete = v->complete, v->complete = false;
 }
 
@@ -199,8 +203,8 @@ static int hide_fluid(struct neighbours *n, int i) {
     return to;
 }
 
-/* Moves the samples in a list to `to`; returns their end. They are never hidden: through them the
- * surface acts on the fluid. */
+/* Moves the samples in a list to `to`; returns their end. No surface hides them: through them it
+ * acts on the fluid. */
 static int move_samples(struct lists *l, int from, int last, int to) {
     memmove(l->index + to, l->index + from, (size_t)(last - from) * sizeof *l->index);
     return to + last - from;
@@ -231,16 +235,91 @@ static void hide(void *arg, int first, int last, int block) {
     }
 }
 
-void visibility_filter_lists(struct neighbours *n) {
+/* ---- walls ----------------------------------------------------------------------------------- */
+
+/* A sample this close to a wall, in particle spacings, lies on it, as those of a sheet that is held
+ * there: the wall hides it from neither side. */
+static const double touch = 0.01;
+
+/* Position of sample j at which visibility is decided, m. */
+static void frozen_sample(const struct neighbours *n, int j, double at[3]) {
+    samples_at(n->visibility.samples, j - n->system, n->visibility.frozen_x, at);
+}
+
+static void find_sample_clearances(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct neighbours *n = arg;
+    double at[3];
+    for (int k = n->centres + first; k < n->centres + last; k++) {
+        frozen_sample(n, n->id[k], at);
+        occlusion_compute_clearance(n->visibility.walls, n->id[k] - n->system, at,
+                                    n->surface_reach);
+    }
+}
+
+/* Whether a wall lies between fluid particle i and sample j. */
+static bool is_behind_wall(const struct neighbours *n, int i, int j) {
+    const struct occlusion *walls = n->visibility.walls;
+    int sample = j - n->system;
+    double at[3];
+    if (occlusion_is_clear(walls, sample, n->surface_reach) ||
+        !occlusion_is_clear(walls, sample, touch * cbrt(n->centre_volume)))
+        return false;
+    frozen_sample(n, j, at);
+    return occlusion_separates(walls, frozen_position(n, i), at);
+}
+
+/* Removes samples behind walls from the lists of centres, and centres from those of samples. */
+static void hide_behind_walls(void *arg, int first, int last, int block) {
+    (void)block;
+    struct neighbours *n = arg;
+    struct lists *l = &n->lists;
+    for (int k = first; k < last; k++) {
+        bool centre = k < n->centres;
+        int i = n->id[k], end = l->boundary_start[i];
+        int to = centre ? l->surface_start[i] : l->start[i];
+        for (int s = to; s < end; s++) {
+            int j = l->index[s];
+            if (!is_behind_wall(n, centre ? i : j, centre ? j : i)) l->index[to++] = j;
+        }
+        if (to == end) continue;
+        memmove(l->index + to, l->index + end, (size_t)(l->end[i] - end) * sizeof *l->index);
+        if (!centre) l->surface_start[i] = to;
+        l->boundary_start[i] = to, l->patch_start[i] -= end - to, l->end[i] -= end - to;
+    }
+}
+
+/* ---- all pairs ------------------------------------------------------------------------------- */
+
+static void filter_by_surfaces(struct neighbours *n) {
     struct visibility *v = &n->visibility;
     struct box centres = box_empty;
     int boundary = n->view.points - n->view.particles;
-    if (!v->occlusion) return;
     for (int k = 0; k < n->centres; k++) box_add(&centres, frozen_position(n, n->id[k]));
     occlusion_update(v->occlusion, v->frozen_x, &centres);
     pool_for(n->context->pool, n->centres, NEIGHBOURS_GRAIN, find_clearances, n);
     pool_for(n->context->pool, n->centres, NEIGHBOURS_GRAIN, mark_doubtful, n);
     pool_for(n->context->pool, boundary, BOUNDARY_GRAIN, find_doubtful_clearances, n);
     pool_for(n->context->pool, n->centres, NEIGHBOURS_GRAIN, hide, n);
+}
+
+static void filter_by_walls(struct neighbours *n) {
+    struct visibility *v = &n->visibility;
+    struct box samples = box_empty;
+    double at[3];
+    for (int k = n->centres; k < n->active; k++) {
+        frozen_sample(n, n->id[k], at);
+        box_add(&samples, at);
+    }
+    occlusion_update(v->walls, v->frozen_x, &samples);
+    pool_for(n->context->pool, n->active - n->centres, NEIGHBOURS_GRAIN, find_sample_clearances, n);
+    pool_for(n->context->pool, n->active, NEIGHBOURS_GRAIN, hide_behind_walls, n);
+}
+
+void visibility_filter_lists(struct neighbours *n) {
+    struct visibility *v = &n->visibility;
+    if (!v->frozen_x) return;
+    if (v->occlusion) filter_by_surfaces(n);
+    if (v->walls) filter_by_walls(n);
     v->frozen = v->complete = true;
 }

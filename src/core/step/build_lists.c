@@ -37,9 +37,11 @@ static double support_of(const struct pdyn_sim *sim, double spacing) {
 }
 
 static pdyn_status create_occlusion(struct pdyn_sim *sim, double spacing) {
-    return occlusion_create(sim->context, sim->bodies, sim->body, &sim->border,
-                            extended_count(sim) + sim->boundary.at.count,
-                            support_of(sim, spacing) + skin_size * spacing, &sim->occlusion);
+    double reach = support_of(sim, spacing) + skin_size * spacing;
+    pdyn_status status =
+        occlusion_create(sim->context, sim->bodies, sim->body, &sim->border,
+                         extended_count(sim) + sim->boundary.at.count, reach, &sim->occlusion);
+    return status == PDYN_OK ? walls_create(sim, reach) : status;
 }
 
 /* Where surfaces may hide boundary points. */
@@ -77,6 +79,9 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
         .kernel = settings->kernel,
         .occlusion = sim->occlusion,
         .face_x = sim->face_x,
+        .walls = sim->walls.hides,
+        .wall_x = sim->walls.x,
+        .wall_vertices = sim->walls.vertices,
         .samples = sim->objective.samples};
     if (status == PDYN_OK)
         status = neighbours_create(sim->context, &def, &sim->objective.neighbours);
@@ -149,6 +154,7 @@ void lists_free(struct pdyn_sim *sim) {
     neighbours_free(sim->objective.neighbours);
     samples_free(sim->objective.samples);
     FREE_VECTOR(sim->context, sim->face_x, sim->boundary.at.count);
+    walls_free(sim);
     occlusion_free(sim->occlusion);
     border_free(&sim->border);
     boundary_points_free(sim->context, &sim->boundary);

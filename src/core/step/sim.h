@@ -19,6 +19,7 @@
 #include "solid_load.h"
 #include "solver_choice.h"
 #include "sph/neighbours.h"
+#include "walls.h"
 
 struct carried;
 struct probes;
@@ -90,6 +91,7 @@ struct pdyn_sim {
     struct carried *carried;           /* beside moving solids; NULL: nothing is carried */
     struct border border;              /* of the surfaces with samples that hide particles */
     struct occlusion *occlusion;       /* surfaces, which hide fluid particles from each other */
+    struct walls walls;                /* solids, which hide samples from the fluid */
     pdyn_services services;            /* functions that operators may call */
 
     /* The program, and what it is told. */

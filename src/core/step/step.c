@@ -116,6 +116,7 @@ static const double history_residual = 0.5;
 static pdyn_status attempt(struct pdyn_sim *sim, const struct step_end *end,
                            struct progress *progress) {
     *progress = (struct progress){0};
+    walls_move(sim, sim->time);
     if (sim->objective.neighbours) neighbours_begin_step(sim->objective.neighbours, sim->x);
     struct contact *contact = sim->objective.contact;
     pdyn_status status = contact ? contact_begin(contact, sim->x, end->time) : PDYN_OK;
