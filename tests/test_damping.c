@@ -7,6 +7,9 @@
 
 static pdyn_context *context;
 
+#define GRID(vertices)                                                                             \
+    "'surface': {'grid': {'size': [1, 1], 'vertices': " vertices "}, 'area_density': 1}"
+
 static int set_up(void **state) {
     (void)state;
     context = test_context(1);
@@ -18,15 +21,14 @@ static int tear_down(void **state) {
     return test_leave_directory(state);
 }
 
-static pdyn_sim *load(const char *integrator, const char *mesh, double h, const char *constraint) {
+static pdyn_sim *load(const char *integrator, const char *body, double h, const char *constraint) {
     char text[1024];
     snprintf(text, sizeof text,
              "{'duration': 100, 'gravity': [0, 0, 0], 'frame_interval': 100, 'time_step': "
              "{'integrator': '%s', 'fixed': %.17g}, 'solver': {'type': 'cg', 'tolerance': "
-             "1e-13, 'linear_tolerance': 1e-9, 'outer_iterations': 100}, 'bodies': [{'surface': "
-             "{%s, 'area_density': 1}, "
+             "1e-13, 'linear_tolerance': 1e-9, 'outer_iterations': 100}, 'bodies': [{%s, "
              "'constraints': [%s]}]}",
-             integrator, h, mesh, constraint);
+             integrator, h, body, constraint);
     return test_load(context, text);
 }
 
@@ -40,7 +42,8 @@ static void breathe(const char *type, double stiffness) {
     test_write_text("triangle.obj", mesh);
     snprintf(text, sizeof text, "{'type': '%s', 'stretching_stiffness': 10, 'damping': %g}", type,
              damping);
-    pdyn_sim *sim = load("euler", "'mesh': 'triangle.obj'", h, text);
+    pdyn_sim *sim =
+        load("euler", "'surface': {'mesh': 'triangle.obj', 'area_density': 1}", h, text);
     test_remove_file("triangle.obj");
     double inertia = area / 3.0 * 3.0 * (1.0 / 3.0), k = 2.0 * stiffness * area / inertia;
     double middle[3] = {0.5, sqrt(1.0 / 12.0), 0.0}, s = 1.0, rate = 0.5;
@@ -64,6 +67,57 @@ static void test_breathing(void **state) {
     breathe("spring", 15.0);
 }
 
+/* A regular simplex, mean position 0, in a uniform motion x = (1 + s A) x_0 that passes through its
+ * rest shape: A is uniform, along one axis, or a shear, so that the principal stretches cross. For
+ * strain I s'' = -k (s + damping s') with the same I / k for each A: k = w volume, I the sum of
+ * m x_0^2. */
+static void strain(const char *scene, const char *constraint, double k, double A[3][3]) {
+    const double h = 0.05, damping = 0.05;
+    char text[200];
+    snprintf(text, sizeof text, constraint, damping);
+    pdyn_sim *sim = load("euler", scene, h, text);
+    int count = sim->objective.particles;
+    double middle[3] = {0}, start[12], inertia = 0.0, s = 0.0, rate = 0.5, largest = 0.0;
+    for (int i = 0; i < count; i++) vec3_add(middle, 1.0 / count, sim->x + 3 * i);
+    for (int i = 0; i < count; i++) {
+        double *x = start + 3 * i;
+        vec3_subtract(x, sim->x + 3 * i, middle);
+        inertia += sim->objective.mass[i] * x[0] * x[0];
+        for (int a = 0; a < 3; a++) sim->v[3 * i + a] = rate * vec3_dot(A[a], x);
+    }
+    k /= inertia;
+    for (int n = 0; n < 60; n++) {
+        test_step(context, sim);
+        double next =
+            (s + h * rate + h * h * k * damping / h * s) / (1.0 + h * h * k * (1.0 + damping / h));
+        rate = (next - s) / h, s = next, largest = fmax(largest, fabs(s));
+        for (int i = 0; i < 3 * count; i++) {
+            double x = middle[i % 3] + start[i] + s * vec3_dot(A[i % 3], start + i / 3 * 3);
+            if (fabs(sim->x[i] - x) > 1e-6 * largest)
+                fail_msg("%s, step %d: %.12g, expected %.12g", constraint, n, sim->x[i], x);
+        }
+    }
+    pdyn_free(sim);
+}
+
+static void test_strain(void **state) {
+    (void)state;
+    static double motions[3][3][3] = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 0}},
+                                      {{1, 0, 0}, {0, 0, 0}, {0, 0, 0}},
+                                      {{0, 1, 0}, {1, 0, 0}, {0, 0, 0}}};
+    test_write_text("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0.5 0.86602540378443865 0\nf 1 2 3\n");
+    test_write_text("tet.node", "4 3 0 0\n1 1 1 1\n2 1 -1 -1\n3 -1 1 -1\n4 -1 -1 1\n");
+    test_write_text("tet.ele", "1 4 0\n1 1 2 3 4\n");
+    for (int m = 0; m < 3; m++) {
+        strain("'surface': {'mesh': 'triangle.obj', 'area_density': 1}",
+               "{'type': 'triangle', 'stretching_stiffness': 10, 'damping': %g}",
+               10.0 * sqrt(0.75) / 2.0, motions[m]);
+        strain("'volume': {'mesh': 'tet.ele', 'density': 1}",
+               "{'type': 'tet', 'stiffness': 100, 'damping': %g}", 100.0 * 8.0 / 3.0, motions[m]);
+    }
+    test_remove_file("triangle.obj"), test_remove_file("tet.node"), test_remove_file("tet.ele");
+}
+
 /* Two triangles fold about their common side. A small vibration of a flat plate decays as
  * exp(-(damping + h) omega^2 t / 2): by the damping and by implicit Euler. BDF2 adds no term of
  * this order. */
@@ -72,7 +126,7 @@ static void fold(const char *integrator, double own) {
     char text[200];
     snprintf(text, sizeof text, "{'type': 'bending', 'bending_rigidity': %g, 'damping': %g}",
              rigidity, damping);
-    pdyn_sim *sim = load(integrator, "'grid': {'size': [1, 1], 'vertices': [2, 2]}", h, text);
+    pdyn_sim *sim = load(integrator, GRID("[2, 2]"), h, text);
     const struct batch *b = sim->objective.batch[0];
     double mode[4] = {0}, square = 0.0, omega2 = 0.0;
     for (int e = 0; e < b->view.elements; e++) {
@@ -121,8 +175,7 @@ static void test_balance(void **state) {
         "{'type': 'bending', 'bending_rigidity': 10, 'damping': 1}"};
     static const double turn[9] = {0.36, 0.48, -0.8, -0.8, 0.6, 0, 0.48, 0.64, 0.6};
     for (int c = 0; c < 3; c++) {
-        pdyn_sim *sim =
-            load("bdf2", "'grid': {'size': [1, 1], 'vertices': [5, 5]}", 0.01, constraints[c]);
+        pdyn_sim *sim = load("bdf2", GRID("[5, 5]"), 0.01, constraints[c]);
         uint64_t seed = 17;
         double y[76], sum[3] = {0}, torque[3] = {0}, scale = 0.0;
         assert_int_equal(sim->objective.batches, 2);
@@ -158,8 +211,7 @@ static void test_vanishing(void **state) {
         "{'type': 'spring', 'stretching_stiffness': 10, 'damping': 1}",
         "{'type': 'bending', 'bending_rigidity': 10, 'damping': 1}"};
     for (int c = 0; c < 2; c++) {
-        pdyn_sim *sim =
-            load("bdf2", "'grid': {'size': [1, 1], 'vertices': [5, 5]}", 0.01, constraints[c]);
+        pdyn_sim *sim = load("bdf2", GRID("[5, 5]"), 0.01, constraints[c]);
         struct batch *damper = sim->objective.batch[1];
         double at_one_place[76] = {0};
         uint64_t seed = 17;
@@ -181,8 +233,7 @@ static void test_rotation(void **state) {
         "{'type': 'spring', 'stretching_stiffness': 1000, 'damping': 1}",
         "{'type': 'triangle', 'stretching_stiffness': 1000, 'damping': 1}"};
     for (int c = 0; c < 2; c++) {
-        pdyn_sim *sim =
-            load("bdf2", "'grid': {'size': [1, 1], 'vertices': [3, 3]}", 0.02, constraints[c]);
+        pdyn_sim *sim = load("bdf2", GRID("[3, 3]"), 0.02, constraints[c]);
         for (int i = 0; i < 9; i++) {
             sim->v[3 * i] = 5.0 * sim->x[3 * i + 2];
             sim->v[3 * i + 2] = -5.0 * sim->x[3 * i];
@@ -198,7 +249,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_breathing), cmocka_unit_test(test_folding),
         cmocka_unit_test(test_balance),   cmocka_unit_test(test_vanishing),
-        cmocka_unit_test(test_rotation),
+        cmocka_unit_test(test_rotation),  cmocka_unit_test(test_strain),
     };
     return cmocka_run_group_tests_name("damping", tests, set_up, tear_down);
 }

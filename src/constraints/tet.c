@@ -10,6 +10,8 @@
  * 0 (without Poisson's effect). For small strains the volume adds the energy K/6 V (tr strain)^2.
  * s_3 < 0 for an inverted tetrahedron, which both projections turn back. Elements: for every
  * tetrahedron its strain, then its volume if K > 0, which has the same u. */
+#include "strain_damper.h"
+
 #include "projdyn/module.h"
 #include "projdyn/svd3.h"
 
@@ -39,6 +41,7 @@ static const pdyn_param params[] = {
 struct target {             /* bounds of the singular values of u */
     double low[3], high[3]; /* strain: of each value, m^(3/2) */
     double least, most;     /* volume: of the product, m^(9/2) */
+    double damps, rest[6];  /* strain of a damper: 1 and its shape at rest; else 0 */
 };
 
 static int elements_of_tet(const void *par) {
@@ -77,6 +80,7 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
         for (int i = 0; i < 3; i++)
             target->low[i] = q->shortest * root, target->high[i] = q->longest * root;
         target->least = q->smallest * cube, target->most = q->largest * cube;
+        target->damps = 0.0;
     }
 }
 
@@ -84,6 +88,10 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     const struct params *q = par;
     for (int e = first; e < last; e++)
         b->weight[e] = is_volume(par, e) ? q->volume_stiffness : q->stiffness;
+}
+
+static const struct target *target_of(const pdyn_batch *b, int e) {
+    return (const struct target *)b->data + e;
 }
 
 static double clamp(double value, double low, double high) { return fmin(fmax(value, low), high); }
@@ -115,7 +123,7 @@ static void onto_product(const double s[3], double c, double p[3]) {
 /* Singular values p of the projection of element e from the singular values s of u. */
 static void project_values(const void *par, const pdyn_batch *b, int e, const double s[3],
                            double p[3]) {
-    const struct target *target = (const struct target *)b->data + e;
+    const struct target *target = target_of(b, e);
     double volume = product(s), c = clamp(volume, target->least, target->most);
     if (!is_volume(par, e))
         for (int i = 0; i < 3; i++) p[i] = clamp(s[i], target->low[i], target->high[i]);
@@ -133,16 +141,20 @@ WIDE static void decompose_tets(const double *const u[SVD3_LANES], svd3 d[SVD3_L
     svd3_of_lanes(u, d, SVD3_LANES);
 }
 
-/* Decomposes the u of elements from `first` on, not beyond `last`. Strain and volume of a
- * tetrahedron have the same u, which is decomposed once. */
+/* Decomposes the u, or u U of a damper (strain_damper.h), of elements from `first` on, not beyond
+ * `last`. Strain and volume of a tetrahedron have the same u, which is decomposed once. */
 static void decompose(const pdyn_batch *b, int first, int last, struct decomposed *to) {
     const double *u[SVD3_LANES] = {b->u + 9 * (size_t)first};
+    double product[SVD3_LANES][9];
     int count = 0, e = first;
     for (; e < last && e < first + 2 * SVD3_LANES; e++) {
         const double *own = b->u + 9 * (size_t)e;
-        if (e == first || memcmp(own, own - 9, 9 * sizeof *own)) {
+        bool damps = target_of(b, e)->damps > 0.0;
+        if (e == first || damps || memcmp(own, u[count - 1], 9 * sizeof *own)) {
             if (count == SVD3_LANES) break;
-            u[count++] = own;
+            if (damps) strain_damper_product(own, target_of(b, e)->rest, 3, product[count]);
+            u[count] = damps ? product[count] : own;
+            count++;
         }
         to->number[e - first] = count - 1;
     }
@@ -151,16 +163,26 @@ static void decompose(const pdyn_batch *b, int first, int last, struct decompose
     to->last = e;
 }
 
+static void project_element(const void *par, const pdyn_batch *b, int e, const svd3 *d,
+                            double p[9]) {
+    static const double ones[3] = {1.0, 1.0, 1.0};
+    const struct target *target = target_of(b, e);
+    double value[3], turn[9];
+    if (target->damps > 0.0) {
+        svd3_compose(d, ones, turn);
+        strain_damper_product(turn, target->rest, 3, p);
+    } else {
+        project_values(par, b, e, d->s, value);
+        svd3_compose(d, value, p);
+    }
+}
+
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
     struct decomposed at;
     for (; first < last; first = at.last) {
         decompose(b, first, last, &at);
-        for (int e = first; e < at.last; e++) {
-            const svd3 *d = &at.d[at.number[e - first]];
-            double p[3];
-            project_values(par, b, e, d->s, p);
-            svd3_compose(d, p, b->p + 9 * (size_t)e);
-        }
+        for (int e = first; e < at.last; e++)
+            project_element(par, b, e, &at.d[at.number[e - first]], b->p + 9 * (size_t)e);
     }
 }
 
@@ -252,8 +274,14 @@ static void tangent(const void *par, const pdyn_batch *b, int first, int last, d
     struct decomposed at;
     for (; first < last; first = at.last) {
         decompose(b, first, last, &at);
-        for (int e = first; e < at.last; e++, J += 81)
-            tangent_of(par, b, e, &at.d[at.number[e - first]], J);
+        for (int e = first; e < at.last; e++, J += 81) {
+            const svd3 *d = &at.d[at.number[e - first]];
+            double p[9];
+            if (target_of(b, e)->damps > 0.0) {
+                project_element(par, b, e, d, p);
+                strain_damper_tangent(d->s, d->left[0], p, 3, J);
+            } else tangent_of(par, b, e, d, J);
+        }
     }
 }
 
@@ -262,11 +290,11 @@ static void tangent(const void *par, const pdyn_batch *b, int first, int last, d
 static double damping(const void *par) { return ((const struct params *)par)->damping; }
 
 static void damping_rest(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
     for (int e = first; e < last; e++) {
         svd3 d = svd3_of(b->u + 9 * (size_t)e);
         struct target *target = (struct target *)b->data + e;
-        for (int i = 0; i < 3; i++) target->low[i] = target->high[i] = d.s[i];
+        target->damps = !is_volume(par, e);
+        strain_damper_rest(d.s, d.right[0], 3, target->rest);
         target->least = target->most = product(d.s);
     }
 }

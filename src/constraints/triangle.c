@@ -7,6 +7,7 @@
  *
  * That is a sheet of Young's modulus times thickness Y without Poisson's effect, on any mesh. */
 #include "frame.h"
+#include "strain_damper.h"
 
 #include "projdyn/svd3.h"
 
@@ -29,6 +30,7 @@ static const pdyn_param params[] = {
 
 struct range { /* bounds of the two principal stretches times sqrt(A), m */
     double low[2], high[2];
+    double damps, rest[3]; /* of a damper: 1 and its shape at rest; else 0 */
 };
 
 static int elements(const void *par, const pdyn_body *body) {
@@ -44,6 +46,7 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
         struct range *range = (struct range *)b->data + t;
         for (int i = 0; i < 2; i++)
             range->low[i] = q->shortest * root, range->high[i] = q->longest * root;
+        range->damps = 0.0;
         for (int k = 0; k < 6; k++) {
             b->column[6 * t + k] = b->body->first + b->body->triangle[3 * t + k % 3];
             b->coefficient[6 * t + k] = root * f.gradient[k % 3][k / 3];
@@ -84,16 +87,36 @@ static double clamp(const struct range *range, int i, double stretch) {
     return fmin(fmax(stretch, range->low[i]), range->high[i]);
 }
 
+/* p = sum_i stretch_i left_i right_i' */
+static void compose(const struct principal *s, const double stretch[2], double p[6]) {
+    memset(p, 0, 6 * sizeof *p);
+    for (int i = 0; i < 2; i++)
+        for (int c = 0; c < 2; c++) vec3_add(p + 3 * c, stretch[i] * s->right[i][c], s->left[i]);
+}
+
+/* p of a damper. Returns the values and vectors of u U (strain_damper.h). */
+static struct principal project_damper(const struct range *range, const double *u, double p[6]) {
+    double product[6], turn[6];
+    strain_damper_product(u, range->rest, 2, product);
+    struct principal s = principal_of(product);
+    compose(&s, (double[2]){1.0, 1.0}, turn);
+    strain_damper_product(turn, range->rest, 2, p);
+    return s;
+}
+
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int t = first; t < last; t++) {
-        struct principal s = principal_of(b->u + 6 * t);
-        double *p = b->p + 6 * t;
-        memset(p, 0, 6 * sizeof *p);
-        for (int i = 0; i < 2; i++) {
-            double stretch = clamp((const struct range *)b->data + t, i, s.stretch[i]);
-            for (int c = 0; c < 2; c++) vec3_add(p + 3 * c, stretch * s.right[i][c], s.left[i]);
+        const struct range *range = (const struct range *)b->data + t;
+        const double *u = b->u + 6 * t;
+        if (range->damps > 0.0) {
+            project_damper(range, u, b->p + 6 * t);
+            continue;
         }
+        struct principal s = principal_of(u);
+        double stretch[2];
+        for (int i = 0; i < 2; i++) stretch[i] = clamp(range, i, s.stretch[i]);
+        compose(&s, stretch, b->p + 6 * t);
     }
 }
 
@@ -131,11 +154,23 @@ static void tangent_of(const struct principal *s, const struct range *range, dou
     }
 }
 
+static void tangent_of_damper(const struct range *range, const double *u, double *J) {
+    double p[6];
+    struct principal s = project_damper(range, u, p);
+    const double value[3] = {s.stretch[0], s.stretch[1], 0.0};
+    strain_damper_tangent(value, s.left[0], p, 2, J);
+}
+
 static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
     (void)par;
     for (int t = first; t < last; t++, J += 36) {
+        const struct range *range = (const struct range *)b->data + t;
+        if (range->damps > 0.0) {
+            tangent_of_damper(range, b->u + 6 * t, J);
+            continue;
+        }
         struct principal s = principal_of(b->u + 6 * t);
-        tangent_of(&s, (const struct range *)b->data + t, J);
+        tangent_of(&s, range, J);
     }
 }
 
@@ -146,7 +181,8 @@ static void damping_rest(const void *par, const pdyn_batch *b, int first, int la
     for (int t = first; t < last; t++) {
         struct range *range = (struct range *)b->data + t;
         struct principal s = principal_of(b->u + 6 * t);
-        for (int i = 0; i < 2; i++) range->low[i] = range->high[i] = s.stretch[i];
+        range->damps = 1.0;
+        strain_damper_rest(s.stretch, s.right[0], 2, range->rest);
     }
 }
 
