@@ -12,6 +12,7 @@
 #include "projdyn/vec3.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 const pdyn_param inlet_params[] = {
@@ -34,7 +35,7 @@ struct opening {
     double center[3], across[3], up[3];
     const double *direction;
     double spacing; /* m, particle spacing */
-    double area;    /* m^2 */
+    double *area;   /* m^2 */
     struct point_list *layer;
 };
 
@@ -104,7 +105,7 @@ static pdyn_status read_rectangle(const struct json_at *at, struct opening *o) {
     }
     if (status == PDYN_OK) status = check_size(at, n[0] * n[1]);
     if (status != PDYN_OK) return status;
-    o->area = size[0] * size[1];
+    *o->area = size[0] * size[1];
     for (double j = 0.0; j < n[1]; j++)
         for (double i = 0.0; i < n[0] && status == PDYN_OK; i++)
             status = add_point(at, o, i - 0.5 * (n[0] - 1.0), j - 0.5 * (n[1] - 1.0));
@@ -119,24 +120,12 @@ static pdyn_status read_disc(const struct json_at *at, struct opening *o) {
     if (status != PDYN_OK) return status;
     double reach = disc.radius / o->spacing * (1.0 + 1e-12) + 1e-9, n = floor(reach);
     status = check_size(at, 4.0 * reach * reach);
-    o->area = acos(-1.0) * disc.radius * disc.radius;
+    *o->area = acos(-1.0) * disc.radius * disc.radius;
     for (int a = 0; a < 3; a++) o->center[a] = disc.center[a];
     for (double j = -n; j <= n; j++)
         for (double i = -n; i <= n && status == PDYN_OK; i++)
             if (i * i + j * j <= reach * reach) status = add_point(at, o, i, j);
     return status;
-}
-
-/* Says how much of the area of the inlet a layer has where it differs by more than a tenth. */
-static void note_area(const struct json_at *at, const struct opening *o, const char *body) {
-    double part = o->layer->count * o->spacing * o->spacing / o->area;
-    if (fabs(part - 1.0) > 0.1)
-        context_log(
-            at->file->context, PDYN_LOG_INFO,
-            "body \"%s\": a layer of %d particles of radius %g m has %.3g %% of the area of "
-            "its inlet, %.4g m^2, and so has the flow; %.3g times the speed gives the flow "
-            "of that area",
-            body, o->layer->count, 0.5 * o->spacing, 100.0 * part, o->area, 1.0 / part);
 }
 
 static pdyn_status read_opening(const struct json_at *at, struct opening *o) {
@@ -167,8 +156,10 @@ pdyn_status inlet_read(const struct json_at *at, const struct scene_body *body,
                        struct scene_inlet *out) {
     static const char *const others[] = {"rectangle", "disc",  "up", "speed",
                                          "motion",    "pivot", NULL};
-    struct opening opening = {
-        .spacing = 2.0 * body->radius, .direction = out->direction, .layer = &out->layer};
+    struct opening opening = {.spacing = 2.0 * body->radius,
+                              .direction = out->direction,
+                              .area = &out->area,
+                              .layer = &out->layer};
     struct json_at speed = json_member(at, "speed");
     pdyn_status status = params_check_keys(at, inlet_params, others);
     if (status == PDYN_OK) status = params_read(at, inlet_params, NULL, out);
@@ -176,11 +167,37 @@ pdyn_status inlet_read(const struct json_at *at, const struct scene_body *body,
     if (status == PDYN_OK) status = read_direction(at, out->direction);
     if (status == PDYN_OK) status = read_axes(at, out->direction, &opening);
     if (status == PDYN_OK) status = read_opening(at, &opening);
-    if (status == PDYN_OK) note_area(at, &opening, body->name);
     memcpy(out->motion.pivot, opening.center, sizeof opening.center);
     if (status == PDYN_OK) status = motion_read(at, &out->motion);
     out->end = out->duration > 0.0 ? out->start + out->duration : INFINITY;
     return status;
+}
+
+/* Whether inlet k of the body has as many particles in a layer, and as large an opening, as inlet
+ * j. */
+static bool is_like(const struct scene_body *body, int k, int j) {
+    const struct scene_inlet *a = &body->inlet[k], *b = &body->inlet[j];
+    return a->layer.count == b->layer.count && a->area == b->area;
+}
+
+void inlet_note_areas(pdyn_context *context, const struct scene_body *body) {
+    for (int k = 0; k < body->inlets; k++) {
+        const struct scene_inlet *inlet = &body->inlet[k];
+        double part = inlet->layer.count * 4.0 * body->radius * body->radius / inlet->area;
+        int first = 0, alike = 0;
+        char of_each[48] = "";
+        while (!is_like(body, first, k)) first++;
+        if (first < k || fabs(part - 1.0) <= 0.1) continue;
+        for (int j = k; j < body->inlets; j++) alike += is_like(body, j, k);
+        if (alike > 1) snprintf(of_each, sizeof of_each, "in each of %d inlets ", alike);
+        context_log(
+            context, PDYN_LOG_INFO,
+            "body \"%s\": %sa layer of %d particles of radius %g m has %.3g %% of the area of "
+            "its inlet, %.4g m^2, and so has the flow; %.3g times the speed gives the flow "
+            "of that area",
+            body->name, of_each, inlet->layer.count, body->radius, 100.0 * part, inlet->area,
+            1.0 / part);
+    }
 }
 
 void inlet_free(pdyn_context *context, struct scene_inlet *inlet) {

@@ -56,6 +56,7 @@ struct scene_inlet {        /* an inlet of particles: it emits layers one spacin
     double start, duration; /* s; duration 0: until the end of the scene */
     double end;             /* s; INFINITY: that of the scene */
     double travelled;       /* m, by the first layer until `start` */
+    double area;            /* m^2, of the opening */
     struct scene_motion motion;
     struct point_list layer;     /* positions of the particles of one layer at rest, m */
     struct scene_cover left_out; /* of the layer, by solids */

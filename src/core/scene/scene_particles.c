@@ -47,7 +47,9 @@ static pdyn_status read_inlets(struct reader *r, const struct json_at *owner) {
     struct json_at array = json_member(owner, "inlets");
     pdyn_status status = reader_array(r, &array, "an array of inlets", read_inlet,
                                       sizeof *body->inlet, &body->inlet, &body->inlets);
-    return status == PDYN_OK ? read_budget(r, owner, &array) : status;
+    if (status != PDYN_OK) return status;
+    inlet_note_areas(r->context, body);
+    return read_budget(r, owner, &array);
 }
 
 static pdyn_status read_overlap(struct reader *r, const struct json_at *owner) {
