@@ -11,6 +11,15 @@
 
 bool keyed_given(const struct json_at *at) { return json_is_object(json_array_get(at->value, 0)); }
 
+pdyn_status keyed_refuse_rows(const struct json_at *at, const pdyn_param *p) {
+    size_t numbers = json_array_size(json_array_get(at->value, 0));
+    if (numbers != 1 + (size_t)param_numbers(p)) return PDYN_OK;
+    return json_fail(at,
+                     "expected values over time as [{\"time\": 0, \"%s\": ...}, ...], found arrays "
+                     "of %zu",
+                     p->name, numbers);
+}
+
 const pdyn_param keyed_time_param = {.name = "time",
                                      .kind = PDYN_REAL,
                                      .required = true,
@@ -107,6 +116,15 @@ bool keyed_allowed(const pdyn_constraint_type *type, const pdyn_param *p) {
            (!param_is_table(p) || (param_rows(p, 1, 1, 1) && !param_vertices(p)));
 }
 
+static pdyn_status refuse_rows(const struct json_at *object, const pdyn_constraint_type *type) {
+    pdyn_status status = PDYN_OK;
+    for (const pdyn_param *p = type->params; p->name && status == PDYN_OK; p++) {
+        struct json_at at = json_member(object, p->name);
+        if (keyed_allowed(type, p)) status = keyed_refuse_rows(&at, p);
+    }
+    return status;
+}
+
 static pdyn_status read_all_keys(const struct json_at *object, struct scene_constraint *c) {
     pdyn_context *context = object->file->context;
     pdyn_status status = PDYN_OK;
@@ -143,7 +161,8 @@ static json_t *with_first_values(const struct json_at *object, const struct scen
 pdyn_status keyed_read_params(const struct json_at *object, const struct scene_body *body,
                               struct scene_constraint *c) {
     struct json_at at = *object;
-    pdyn_status status = read_all_keys(object, c);
+    pdyn_status status = refuse_rows(object, c->type);
+    if (status == PDYN_OK) status = read_all_keys(object, c);
     if (status != PDYN_OK) return status;
     if (!c->keyed_params) return params_read(object, c->type->params, body, c->params);
     at.value = with_first_values(object, c);

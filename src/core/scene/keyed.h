@@ -18,6 +18,9 @@ bool keyed_allowed(const pdyn_constraint_type *type, const pdyn_param *param);
 
 /* Whether there are keys at `at`. */
 bool keyed_given(const struct json_at *at);
+/* Refuses rows of a time and the numbers of the parameter, [[0, 500], [1, 800]]: they have the form
+ * of a path of pins, but are meant as keys. */
+pdyn_status keyed_refuse_rows(const struct json_at *at, const pdyn_param *param);
 /* Reads keys of the parameter, of 1 to 3 numbers each. The caller frees the path, after a failure,
  * too. */
 pdyn_status keyed_read_path(const struct json_at *at, const pdyn_param *param, pdyn_path *out);

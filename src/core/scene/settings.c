@@ -56,10 +56,12 @@ static pdyn_status read_gravity(const struct json_at *at, struct scene_settings 
     pdyn_path *path = &settings->gravity_keys.path;
     gravity[1] = -9.81;
     if (!at->value) return PDYN_OK;
+    pdyn_status status = keyed_refuse_rows(at, &gravity_param);
+    if (status != PDYN_OK) return status;
     if (!keyed_given(at))
         return params_reals(at, 3, gravity_param.min, gravity_param.max, gravity_param.unit,
                             gravity);
-    pdyn_status status = keyed_read_path(at, &gravity_param, path);
+    status = keyed_read_path(at, &gravity_param, path);
     gravity[1] = 0.0;
     for (int k = 0; k < path->count; k++)
         if (vec3_length(path->key + 4 * k + 1) > vec3_length(gravity))
