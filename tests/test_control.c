@@ -129,6 +129,10 @@ static void test_positions(void **state) {
     x[2] = 2e6;
     refused(pdyn_set_positions(sim, 0, VERTICES, x),
             "number 2: expected a coordinate of at most 1e+06 m, found 2e+06");
+    memset(x, 0, sizeof x);
+    refused(pdyn_set_positions(sim, 0, VERTICES, x),
+            "body \"sheet\": expected places that differ, found one place for all of it");
+    good(pdyn_set_positions(sim, 0, 2, x)); /* a part may be folded */
     pdyn_free(sim);
 }
 

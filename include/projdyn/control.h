@@ -29,8 +29,9 @@ PDYN_API void pdyn_get_gravity(const pdyn_sim *sim, double gravity[3]);
 
 /* Positions, m, or velocities, m/s, of the particles from `first`, count x 3. A body that is placed
  * anew does not pass what lies between. Of a rigid body all vertices or none: it takes the closest
- * rigid pose or motion. PDYN_BAD_INPUT: some of its vertices; in a scene with contact, positions in
- * which surfaces intersect or nearly touch. After a failure nothing has moved. */
+ * rigid pose or motion. PDYN_BAD_INPUT: some of its vertices; one place for a whole body; in a
+ * scene with contact, positions in which surfaces intersect or nearly touch. After a failure
+ * nothing has moved. */
 PDYN_API pdyn_status pdyn_set_positions(pdyn_sim *sim, int first, int count, const double *x);
 PDYN_API pdyn_status pdyn_set_velocities(pdyn_sim *sim, int first, int count, const double *v);
 

@@ -167,9 +167,39 @@ static pdyn_status place(struct pdyn_sim *sim, int first, int count, const doubl
     return status == PDYN_OK && contact ? contact_check(contact) : status;
 }
 
+/* Whether x, count x 3, has one place for all live particles of a body, two or more; x: of the
+ * body. */
+static bool is_one_place(const struct pdyn_sim *sim, const pdyn_body *body, const double *x) {
+    const double *place = NULL;
+    int live = 0;
+    for (int k = 0; k < body->count; k++) {
+        const double *own = x + 3 * (size_t)k;
+        if (!particle_is_live(sim, body->first + k)) continue;
+        if (!live++) place = own;
+        if (vec3_distance(own, place) > 0.0) return false;
+    }
+    return live > 1;
+}
+
+/* Refuses one place for a whole body. A sheet of no size has no direction in which it would open,
+ * and in a fluid every particle would be a neighbour of every other one. */
+static pdyn_status check_places(const struct pdyn_sim *sim, int first, int count, const double *x) {
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        bool whole = body->first >= first && body->first + body->count <= first + count;
+        if (whole && is_one_place(sim, body, x + 3 * (size_t)(body->first - first)))
+            return set_error(PDYN_BAD_INPUT,
+                             "body \"%s\": expected places that differ, found one place for all of "
+                             "it",
+                             body->name);
+    }
+    return PDYN_OK;
+}
+
 pdyn_status pdyn_set_positions(pdyn_sim *sim, int first, int count, const double *x) {
     if (HAS_NULL(sim, x) || bad_range(__func__, sim, first, count)) return PDYN_BAD_CALL;
     pdyn_status status = check_numbers(x, count, SCENE_MAX_POSITION, "a coordinate", "m");
+    if (status == PDYN_OK) status = check_places(sim, first, count, x);
     if (status == PDYN_OK) status = rigid_fit_check(sim, first, count);
     if (status != PDYN_OK) return status;
     double *before = NEW_VECTOR(sim->context, sim->objective.particles);
