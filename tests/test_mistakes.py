@@ -107,6 +107,9 @@ MISTAKES = [
     Mistake("rest density in g/cm^3", change(("bodies.0.particles.rest_density", 1)), "[density]"),
     Mistake("area density in g/m^2", change(("bodies.1.surface.area_density", 200)), "[density]"),
     Mistake("gravity with a wrong sign", change(("gravity", [0, 9.81, 0]), *WATER_ONLY), "tank: gravity of (0, 9.81, 0) m/s^2 points out of its open side +y"),
+    Mistake("a tank with y up where z is up", change(("gravity", [0, 0, -9.81]), *WATER_ONLY),
+            "tank: with gravity of (0, 0, -9.81) m/s^2 its open side +y is a side wall, and its top +z is closed"),
+    Mistake("a tank with z up where y is up", change(("solids.0.open", ["+z"]), *WATER_ONLY), "expected an open side +y, or gravity along -z [unusual]"),
     Mistake("gravity in millimetres", change(("gravity", [0, -9810, 0]), ("duration", 0.02), *WATER_ONLY), '"gravity" of 9810 m/s^2 is unusual, expected 0 to 100 m/s^2'),
     Mistake("friction in percent", change(("contact.friction", 30)), 'contact: "friction" of 30 is unusual, expected 0 to 10'),
     Mistake("surface tension in mN/m", change(("bodies.0.constraints.1", {"type": "surface_tension", "tension": 72}), ("duration", 0.02), *WATER_ONLY),
@@ -153,9 +156,15 @@ MISTAKES = [
     Mistake("a jet as thin as a particle", change(("bodies.0.particles", {"radius": 0.02, "inlets": [
         {**JET, "disc": {"center": [0, 0.2, 0], "radius": 0.04}}]}), *WATER_ONLY),
             "a layer of 5 particles of radius 0.02 m has 159 % of the area of its inlet, 0.005027 m^2, and so has the flow; 0.628 times the speed"),
+    Mistake("two inlets alike, as thin as a particle", change(("bodies.0.particles", {"radius": 0.02, "inlets": [
+        {**JET, "disc": {"center": [x, 0.2, 0], "radius": 0.04}} for x in (-0.1, 0.1)]}), *WATER_ONLY),
+            "in each of 2 inlets a layer of 5 particles of radius 0.02 m has 159 %"),
     Mistake("a solid mesh in millimetres", change(("solids.0", HUGE), ("bodies.0", None)), "scan: it is 1e+03 m long"),
     Mistake("a solid mesh in centimetres", change(*SHEET_ONLY, ("solids", [{**HUGE, "scale": 0.1}])),
             "times as long as all bodies and other solids; lengths are in metres"),
+    Mistake("a rigid mesh in centimetres, no solids", change(("bodies.0", {
+        "name": "scan", "rigid": {"mesh": "huge.obj", "scale": 0.1, "translate": [0, 111, 0], "density": 500}}), ("solids", [])),
+            "scan: it is 100 m long, 3.3e+02 times as long as all other bodies; lengths are in metres"),
     Mistake("an angle in radians", change(("solids.1", {**BALL, "motion": [{"time": 0, "rotate": [0, 0, 1.5708]}]}), *WATER_ONLY),
             "solids[1].motion[0].rotate: 1.5708 degrees is the angle of 90 degrees in radians; the unit is degrees"),
     Mistake("a contact angle in radians", change(("bodies.0.constraints.1", {"type": "surface_tension", "tension": 0.07, "contact_angle": 1.5708}),
@@ -312,6 +321,10 @@ MISTAKES = [
             '"tet" works on a volume, found a rigid body', codes=(2, 2)),
     Mistake("negative stiffness", change(("bodies.1.constraints.0.stretching_stiffness", -1)), "expected", codes=(2, 2)),
     Mistake("gravity as a number", change(("gravity", -9.81)), "expected", codes=(2, 2)),
+    Mistake("stiffness over time as rows", change(("bodies.1.constraints.0.stretching_stiffness", [[0, 500], [1, 800]])),
+            'stretching_stiffness: expected values over time as [{"time": 0, "stretching_stiffness": ...}, ...], found arrays of 2', codes=(2, 2)),
+    Mistake("gravity over time as rows", change(("gravity", [[0, 0, -9.81, 0], [1, 0, 0, 0]])),
+            'gravity: expected values over time as [{"time": 0, "gravity": ...}, ...]', codes=(2, 2)),
     Mistake("minimum above maximum", change(("time_step", {"minimum": 0.1, "maximum": 0.01})), "expected", codes=(2, 2)),
     Mistake("missing mesh file", change(("bodies.1.surface", {"mesh": "no.obj", "area_density": 0.2})), "no.obj", codes=(2, 2)),
     Mistake("pin that holds nothing", change(("bodies.1.constraints.1.vertices", {"box": {

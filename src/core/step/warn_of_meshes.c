@@ -12,7 +12,8 @@
 /* Extents that occur in practice. */
 static const double min_extent = 2e-3, max_extent = 500.0; /* m */
 static const double max_times = 10.0; /* extent of a body over that of all solids */
-/* Extent of the mesh of a solid over that of all else: a ground may be large. */
+/* Extent of the mesh of a solid, or of a rigid body, over that of all else: a ground may be large.
+ */
 static const double max_solid_times = 50.0;
 static const double min_filled = 0.85; /* of the volume of a mesh, by tetrahedra */
 /* Rounding of coordinates in frames, over the spacing of particles or the mean edge. */
@@ -32,6 +33,18 @@ static void add_solids_beside(const struct pdyn_sim *sim, int solid, struct box 
         for (int i = 0; s != solid && i < mesh->vertices; i++)
             box_add(box, mesh->vertex + 3 * (size_t)i);
     }
+}
+
+/* Extent of all bodies and solids together without one body and one solid, m; -1: without none.
+ * INFINITY: nothing, or one particle, is there at the start. */
+static double extent_beside(const struct pdyn_sim *sim, int body, int solid) {
+    struct box box = box_empty;
+    for (int b = 0; b < sim->bodies; b++)
+        for (int k = 0; b != body && k < sim->body[b].count; k++)
+            if (particle_is_live(sim, sim->body[b].first + k))
+                box_add(&box, sim->x + 3 * (size_t)(sim->body[b].first + k));
+    add_solids_beside(sim, solid, &box);
+    return box.min[0] <= box.max[0] && box_extent(&box) > 0.0 ? box_extent(&box) : INFINITY;
 }
 
 /* Extent of all solids together, m; INFINITY: there are none. */
@@ -93,14 +106,21 @@ static void check_distance(struct pdyn_sim *sim, int b) {
          particles ? "apart" : "on average");
 }
 
-/* Extent of all bodies and of all solids but one together, m; INFINITY: nothing, or one particle,
- * is there at the start. */
-static double extent_beside(const struct pdyn_sim *sim, int solid) {
-    struct box box = box_empty;
-    for (int i = 0; i < sim->objective.particles; i++)
-        if (particle_is_live(sim, i)) box_add(&box, sim->x + 3 * (size_t)i);
-    add_solids_beside(sim, solid, &box);
-    return box.min[0] <= box.max[0] && box_extent(&box) > 0.0 ? box_extent(&box) : INFINITY;
+/* Warns of the longest body where it is rigid; beside solids, check_scale compares it with them. */
+static void check_scale_of_rigid(struct pdyn_sim *sim) {
+    int longest = 0;
+    double extent = 0.0;
+    for (int b = 0; b < sim->bodies; b++) {
+        struct box box = extent_of_body(sim, &sim->body[b]);
+        if (box_extent(&box) > extent) longest = b, extent = box_extent(&box);
+    }
+    if (sim->scene.solids || !sim->scene.body[longest].is_rigid || extent > max_extent) return;
+    double times = extent / extent_beside(sim, longest, -1);
+    if (times > max_solid_times)
+        WARN(sim, SCALE, sim->body[longest].name,
+             "it is %.3g m long, %.2g times as long as all other bodies; lengths are in metres, "
+             "\"scale\" changes the unit of a mesh",
+             extent, times);
 }
 
 static void check_scale_of_solids(struct pdyn_sim *sim) {
@@ -108,7 +128,7 @@ static void check_scale_of_solids(struct pdyn_sim *sim) {
         const struct scene_solid *solid = &sim->scene.solid[s];
         if (solid->kind != SOLID_MESH) continue;
         struct box box = box_around(solid->mesh.vertex, solid->mesh.vertices);
-        double extent = box_extent(&box), times = extent / extent_beside(sim, s);
+        double extent = box_extent(&box), times = extent / extent_beside(sim, -1, s);
         if (!warn_of_length(sim, solid->name, extent) && times > max_solid_times)
             WARN(sim, SCALE, solid->name,
                  "it is %.3g m long, %.2g times as long as all bodies and other solids; lengths "
@@ -199,6 +219,7 @@ static void check_thickness(struct pdyn_sim *sim, int b) {
 
 void warn_of_meshes(struct pdyn_sim *sim) {
     check_scale_of_solids(sim);
+    check_scale_of_rigid(sim);
     for (int b = 0; b < sim->bodies; b++) {
         check_scale(sim, b);
         check_scale_of_fluid(sim, b);

@@ -93,18 +93,39 @@ static void check_step(struct pdyn_sim *sim, int b, double tension) {
 
 /* ---- gravity and weight ---------------------------------------------------------------------- */
 
+/* Whether a box is open at the maximum of an axis. */
+static bool is_open(const struct scene_solid *solid, int axis) {
+    return solid->open >> (2 * axis + 1) & 1u;
+}
+
 /* Tanks that are open at the top, towards which gravity points: its sign is wrong. One that is open
  * at the minimum of an axis, as a diving bell, is no slip. */
 static void check_sign(struct pdyn_sim *sim, const struct scene_solid *solid) {
     const double *gravity = sim->scene.settings.gravity;
     for (int a = 0; a < 3; a++) {
-        bool top = solid->open >> (2 * a + 1) & 1u, bottom = solid->open >> (2 * a) & 1u;
+        bool top = is_open(solid, a), bottom = solid->open >> (2 * a) & 1u;
         if (!solid->is_vessel || !top || bottom) continue;
         if (gravity[a] > 0.5 * vec3_length(gravity))
             WARN(sim, UNUSUAL, solid->name,
                  "gravity of (%g, %g, %g) m/s^2 points out of its open side +%c; expected the "
                  "other sign",
                  gravity[0], gravity[1], gravity[2], "xyz"[a]);
+    }
+}
+
+/* Tanks that are open at +y under a gravity along z, or at +z under one along y: their top is
+ * closed, and the side that was to be the top is a wall. */
+static void check_top(struct pdyn_sim *sim, const struct scene_solid *solid) {
+    const double *gravity = sim->scene.settings.gravity;
+    for (int up = 1; up < 3; up++) {
+        int open = 3 - up;
+        if (!solid->is_vessel || !is_open(solid, open) || is_open(solid, up)) continue;
+        if (-gravity[up] > 0.5 * vec3_length(gravity))
+            WARN(sim, UNUSUAL, solid->name,
+                 "with gravity of (%g, %g, %g) m/s^2 its open side +%c is a side wall, and its top "
+                 "+%c is closed; expected an open side +%c, or gravity along -%c",
+                 gravity[0], gravity[1], gravity[2], "xyz"[open], "xyz"[up], "xyz"[up],
+                 "xyz"[open]);
     }
 }
 
@@ -167,6 +188,9 @@ void warn_of_values(struct pdyn_sim *sim) {
     const struct scene *scene = &sim->scene;
     check_value(sim, "", &usual_gravity, vec3_length(scene->settings.gravity));
     if (scene->has_contact) check_value(sim, "contact", &usual_friction, scene->contact.friction);
-    for (int s = 0; s < scene->solids; s++) check_sign(sim, &scene->solid[s]);
+    for (int s = 0; s < scene->solids; s++) {
+        check_sign(sim, &scene->solid[s]);
+        check_top(sim, &scene->solid[s]);
+    }
     for (int b = 0; b < sim->bodies; b++) check_body(sim, b);
 }
