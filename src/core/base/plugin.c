@@ -31,6 +31,26 @@ static void *open_object(pdyn_context *context, const char *path) {
     return object;
 }
 
+/* The type whose table of parameters runs on into other data, because it has no end {0}: what would
+ * be a name lies in no loaded object. NULL: none. */
+static const pdyn_constraint_type *find_endless(const pdyn_plugin *plugin) {
+    Dl_info info;
+    const pdyn_constraint_type *const *t = plugin->abi == PDYN_ABI ? plugin->constraints : NULL;
+    for (; t && *t; t++)
+        for (const pdyn_param *p = (*t)->params; p && p->name; p++)
+            if (!dladdr(p->name, &info)) return *t;
+    return NULL;
+}
+
+static pdyn_status register_table(pdyn_context *context, const pdyn_plugin *plugin) {
+    const pdyn_constraint_type *endless = find_endless(plugin);
+    if (!endless) return pdyn_register(context, plugin);
+    return set_error(PDYN_BAD_INPUT,
+                     "type \"%.64s\": its table of parameters has no end: expected {0} after the "
+                     "last one",
+                     endless->name ? endless->name : "");
+}
+
 pdyn_status pdyn_load_plugin(pdyn_context *context, const char *path) {
     if (HAS_NULL(context, path)) return PDYN_BAD_CALL;
     if (!*path) return bad_call(__func__, "path is empty");
@@ -41,7 +61,7 @@ pdyn_status pdyn_load_plugin(pdyn_context *context, const char *path) {
     if (!plugin)
         return set_error(PDYN_BAD_INPUT,
                          "%.1024s: not a plug-in: it has no symbol pdyn_plugin_table", path);
-    pdyn_status status = pdyn_register(context, plugin);
+    pdyn_status status = register_table(context, plugin);
     if (status != PDYN_BAD_INPUT) return status;
     char why[1024];
     snprintf(why, sizeof why, "%.1000s", pdyn_last_error(NULL));
