@@ -226,12 +226,18 @@ static int write_record(const struct run_options *o) {
  * or another exit code after a message; *writer is open only on EXIT_GOOD. */
 static int open_output(pdyn_context *context, pdyn_sim *sim, const struct run_options *o,
                        pdyn_writer **writer) {
+    bool unfinished = !o->resume && !o->report && run_record_is_unfinished(o->output);
     pdyn_status status = o->resume ? pdyn_writer_resume(sim, o->output, writer)
                                    : pdyn_writer_open(sim, o->output, o->ply, writer);
     if (status != PDYN_OK) {
         int failed = report_status(context, status);
         return o->resume && status == PDYN_IO_FAILED ? EXIT_BAD_INPUT : failed;
     }
+    if (unfinished)
+        fprintf(stderr,
+                "projdyn: note: this run replaces one in %s that had not ended; 'projdyn run "
+                "--resume %s' would have continued that one\n",
+                o->output, shell_word(o->output).text);
     if (write_record(o) == EXIT_GOOD) return EXIT_GOOD;
     pdyn_writer_close(*writer);
     return EXIT_FAILED;

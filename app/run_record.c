@@ -10,19 +10,35 @@
 #include <string.h>
 #include <unistd.h>
 
-/* DIRECTORY/run.json; the caller frees it. NULL with a message if memory ran out. */
-static char *path_in(const char *directory) {
+/* DIRECTORY/FILE; the caller frees it. NULL with a message if memory ran out. */
+static char *file_in(const char *directory, const char *file) {
     char *path;
-    if (asprintf(&path, "%s/run.json", directory) >= 0) return path;
+    if (asprintf(&path, "%s/%s", directory, file) >= 0) return path;
     report_no_memory();
     return NULL;
 }
 
-bool run_record_exists(const char *directory) {
-    char *path = path_in(directory);
+static char *path_in(const char *directory) { return file_in(directory, "run.json"); }
+
+static bool has_file(const char *directory, const char *file) {
+    char *path = file_in(directory, file);
     bool exists = path && !access(path, F_OK);
     free(path);
     return exists;
+}
+
+bool run_record_exists(const char *directory) { return has_file(directory, "run.json"); }
+
+/* A run that was killed has no report. */
+bool run_record_is_unfinished(const char *directory) {
+    if (!run_record_exists(directory) || !has_file(directory, "state.pdyn")) return false;
+    if (!has_file(directory, "report.json")) return true;
+    char *path = file_in(directory, "report.json");
+    json_t *report = path ? json_load_file(path, 0, NULL) : NULL;
+    bool interrupted = json_is_true(json_object_get(report, "interrupted"));
+    json_decref(report);
+    free(path);
+    return interrupted;
 }
 
 /* ---- writing --------------------------------------------------------------------------------- */

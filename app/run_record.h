@@ -7,6 +7,8 @@
 
 /* Whether DIRECTORY is the folder of a run: it has a run.json. */
 bool run_record_exists(const char *directory);
+/* Whether that run was interrupted, or killed, and can be resumed. */
+bool run_record_is_unfinished(const char *directory);
 
 /* Writes DIRECTORY/run.json atomically (to a temporary file, then rename). `end`: s; 0: that of the
  * scene; no_frames: the run writes none. Returns EXIT_GOOD, or another exit code after a message.

@@ -310,7 +310,7 @@ expect "resume of a run that goes on" 2 "process $pid" "$program" run --resume "
 kill -KILL $pid
 wait $pid 2>/dev/null
 : >"$dir/busy/state.pdyn.0123abcd.tmp" # as a killed run leaves it
-expect "the lock of a killed run is gone" 0 "" "$program" run "$scene" -o "$dir/busy" --time 0.02 --quiet
+expect "the lock of a killed run is gone" 0 "this run replaces one in $dir/busy that had not ended" "$program" run "$scene" -o "$dir/busy" --time 0.02 --quiet
 expect "and its temporary files" 0 "all whole" whole_frames "$dir/busy"
 for signal in INT TERM USR1 HUP; do
     stop_run "$dir/stop$signal" $signal --set frame_interval=0.1

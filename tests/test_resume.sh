@@ -62,6 +62,14 @@ check "says how to continue" grep -q "to continue: projdyn run --resume stopped"
 check "the same bits after its stops" same stopped
 check "the same frames after its stops" same_frames stopped
 
+replaces() { # a new run in the directory of one that was interrupted, and another one
+    "$program" run "$scene" --quiet --threads 1 -o again --wall-time 1e-9
+    "$program" run "$scene" --quiet --threads 1 -o again --time 0.02 2>first
+    "$program" run "$scene" --quiet --threads 1 -o again --time 0.02 2>second
+    grep "replaces one in again that had not ended; 'projdyn run --resume again'" first && ! grep replaces second
+}
+check "says that an interrupted run is replaced, once" replaces
+
 "$program" run "$scene" --quiet --threads 1 -o longer --time 0.1 >/dev/null
 check "a longer end" "$program" run --resume longer --quiet --threads 1 --time 0.2
 check "the same bits after a longer end" same longer
