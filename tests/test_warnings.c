@@ -879,6 +879,60 @@ static void test_room_around_ball(void **state) {
               CONTACT("0.012"))));
 }
 
+/* ---- a type that lacks PDYN_ANCHORED --------------------------------------------------------- */
+
+static int count_points(const void *par, const pdyn_body *body) {
+    (void)par;
+    return body->count;
+}
+
+static void select_point(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) b->column[e] = b->body->first + e, b->coefficient[e] = 1.0;
+}
+
+static void weigh_point(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) b->weight[e] = 1e3;
+}
+
+static void lift(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int k = 3 * first; k < 3 * last; k++)
+        b->p[k] = k % 3 == 1 && b->u[k] < 0.0 ? 0.0 : b->u[k];
+}
+
+static const pdyn_constraint_type loose_floor = {.name = "loose",
+                                                 .summary = "a floor without PDYN_ANCHORED",
+                                                 .flags = PDYN_ON_SURFACE,
+                                                 .params = (const pdyn_param[]){{0}},
+                                                 .rows = 1,
+                                                 .width = 1,
+                                                 .elements = count_points,
+                                                 .select = select_point,
+                                                 .weight = weigh_point,
+                                                 .project = lift};
+
+/* Forces that the step takes away are told, unless pins make the type harmless. */
+static void test_momentum(void **state) {
+    (void)state;
+    static const pdyn_constraint_type *const types[] = {&loose_floor, NULL};
+    static const pdyn_plugin plugin = {PDYN_ABI, "loose", types, NULL};
+    static const char *const scenes[] = {
+        SCENE(STEPS, SHEET("{'type': 'loose'}"), ""),
+        SCENE(STEPS, SHEET("{'type': 'loose'}, " PINS("'vertices': [0]")), "")};
+    for (int held = 0; held < 2; held++) {
+        pdyn_context *context = test_context(1);
+        assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
+        pdyn_sim *sim = test_load(context, scenes[held]);
+        for (int n = 0; n < 4; n++) test_step(context, sim);
+        pdyn_warning w = find_warning(sim, "momentum", "sheet");
+        assert_true(held ? !w.code : w.count == 4 && strstr(w.text, "forces of \"loose\""));
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sheet),
@@ -919,6 +973,7 @@ int main(void) {
         cmocka_unit_test(test_room_above),
         cmocka_unit_test(test_room_by_kind),
         cmocka_unit_test(test_room_around_ball),
+        cmocka_unit_test(test_momentum),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);

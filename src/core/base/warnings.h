@@ -47,7 +47,8 @@
     X(BLOCKED, "blocked")                                                                          \
     X(SOLID_WAITS, "solid-waits")                                                                  \
     X(CONTACT_STIFFNESS, "contact-stiffness")                                                      \
-    X(SQUEEZED, "squeezed")
+    X(SQUEEZED, "squeezed")                                                                        \
+    X(MOMENTUM, "momentum")
 
 enum warning_code {
 #define WARNING_ENUM(constant, code) WARNING_##constant,

@@ -20,6 +20,7 @@
 #include "live_particles.h"
 #include "measure.h"
 #include "minimise.h"
+#include "momentum.h"
 #include "probes.h"
 #include "rigid_bodies.h"
 #include "schedule.h"
@@ -63,23 +64,6 @@ static pdyn_status prepare_lists(struct pdyn_sim *sim) {
         neighbours_set_sample_volumes(objective->neighbours, objective->samples);
     }
     return status == PDYN_OK && wet ? wet_sides_find(wet, all) : status;
-}
-
-/* Removes the momentum error of a solve that ended early: the mass-weighted mean of x - s. Without
- * anchoring constraints the step must conserve momentum exactly. */
-static pdyn_status restore_momentum(struct pdyn_sim *sim) {
-    struct objective *objective = &sim->objective;
-    double moved[3] = {0}, energy;
-    if (sim->anchored) return PDYN_OK;
-    for (int i = 0; i < objective->particles; i++) {
-        if (!particle_is_live(sim, i)) continue;
-        for (int a = 0; a < 3; a++)
-            moved[a] += objective->mass[i] * (sim->x_next[3 * i + a] - objective->s[3 * i + a]);
-    }
-    double mass = live_mass(sim);
-    for (int k = 0; k < 3 * objective->particles; k++)
-        if (particle_is_live(sim, k / 3)) sim->x_next[k] -= moved[k % 3] / mass;
-    return objective_local(objective, sim->x_next, &energy, sim->gradient);
 }
 
 static void store_previous_state(struct pdyn_sim *sim, double h) {
@@ -128,7 +112,7 @@ static pdyn_status attempt(struct pdyn_sim *sim, const struct step_end *end,
     status = carried_move(sim);
     if (status == PDYN_OK) status = energy_budget_open(sim);
     if (status == PDYN_OK) status = minimise(sim, progress);
-    if (status == PDYN_OK) status = restore_momentum(sim);
+    if (status == PDYN_OK) status = momentum_restore(sim);
     progress->far_off = progress->residual > fmax(sim->scene.settings.tolerance, history_residual);
     if (status == PDYN_OK)
         status = velocities_measure_rise(sim, progress->far_off, &progress->rise);
@@ -204,6 +188,7 @@ static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *e
         status = attempt(sim, end, progress);
         ++*retries;
     }
+    if (status == PDYN_OK) status = momentum_warn(sim);
     if (status == PDYN_OK) status = objective_end(&sim->objective);
     if (status == PDYN_OK) return PDYN_OK;
     sim->eps = eps, sim->history = history;

@@ -1,0 +1,68 @@
+#include "momentum.h"
+
+#include "live_particles.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+pdyn_status momentum_restore(struct pdyn_sim *sim) {
+    struct objective *objective = &sim->objective;
+    double moved[3] = {0}, energy;
+    if (sim->anchored) return PDYN_OK;
+    for (int i = 0; i < objective->particles; i++) {
+        if (!particle_is_live(sim, i)) continue;
+        for (int a = 0; a < 3; a++)
+            moved[a] += objective->mass[i] * (sim->x_next[3 * i + a] - objective->s[3 * i + a]);
+    }
+    double mass = live_mass(sim);
+    for (int k = 0; k < 3 * objective->particles; k++)
+        if (particle_is_live(sim, k / 3)) sim->x_next[k] -= moved[k % 3] / mass;
+    return objective_local(objective, sim->x_next, &energy, sim->gradient);
+}
+
+/* ---- types that lack PDYN_ANCHORED ----------------------------------------------------------- */
+
+/* A sum of the forces of all constraints that is worth a warning, as an acceleration of all mass,
+ * m/s^2: rounding leaves 1e-12. */
+static const double max_acceleration = 1e-6;
+
+/* Length of the sum of a force on all particles, N. */
+static double length_of_sum(const struct pdyn_sim *sim, const double *force) {
+    double sum[3] = {0};
+    for (int i = 0; i < sim->objective.particles; i++) vec3_add(sum, 1.0, force + 3 * (size_t)i);
+    return vec3_length(sum);
+}
+
+/* The constraint whose forces have the largest sum, N, at the iterate. Overwrites
+ * sim->trial_gradient. */
+static pdyn_status find_unbalanced(struct pdyn_sim *sim, const struct batch **out,
+                                   double *largest) {
+    const struct objective *objective = &sim->objective;
+    double *force = sim->trial_gradient;
+    pdyn_status status = PDYN_OK;
+    *out = NULL, *largest = 0.0;
+    for (int b = 0; b < objective->batches && status == PDYN_OK; b++) {
+        memset(force, 0, objective_bytes(objective));
+        status = batch_local(objective->batch[b], sim->x_next, force);
+        double sum = length_of_sum(sim, force);
+        if (sum > *largest) *largest = sum, *out = objective->batch[b];
+    }
+    return status;
+}
+
+pdyn_status momentum_warn(struct pdyn_sim *sim) {
+    const struct batch *found;
+    double sum;
+    if (sim->anchored || length_of_sum(sim, sim->gradient) <= max_acceleration * live_mass(sim))
+        return PDYN_OK;
+    pdyn_status status = find_unbalanced(sim, &found, &sum);
+    if (status != PDYN_OK || !found) return status;
+    struct warning *w = sim_warning(sim, WARNING_MOMENTUM, found->view.body->name, 1, sum);
+    warnings_say(sim->context, w,
+                 "in %ld of %ld steps the forces of \"%s\" do not sum to zero, but to up to %.3g "
+                 "N, and the step takes their sum away: the type needs PDYN_ANCHORED, or has a "
+                 "fault that \"projdyn check --conformance\" finds",
+                 w->count, sim->steps + 1, found->type->name, w->worst);
+    return PDYN_OK;
+}

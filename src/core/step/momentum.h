@@ -1,0 +1,16 @@
+/* Momentum of a system that no constraint anchors: a step conserves it exactly. */
+#ifndef PDYN_MOMENTUM_H
+#define PDYN_MOMENTUM_H
+
+#include "sim.h"
+
+/* Removes the momentum error of a solve that ended early: the mass-weighted mean of x - s. Where a
+ * constraint is anchored, it does nothing. */
+pdyn_status momentum_restore(struct pdyn_sim *sim);
+
+/* Warns of a constraint whose forces do not sum to zero although its type does not say
+ * PDYN_ANCHORED: momentum_restore has taken away what it did to the momentum. After a successful
+ * attempt at a step. */
+pdyn_status momentum_warn(struct pdyn_sim *sim);
+
+#endif
