@@ -71,6 +71,9 @@ class Simulation(Fixed):
         """Computes a step. h: its length, s, which "cfl" does not limit; None: chosen by the
         scene, ends at frames at the latest. StepError: the step failed, and the state is that of
         the step before."""
+        if isinstance(h, int) and h > 1:
+            warnings.warn(f"step({h}) is one step of {h} s, not {h} steps; sim.run(until=...) makes many, "
+                          f"and step({h}.0) does not warn", RuntimeWarning, stacklevel=2)
         info = StepInfo()
         for body in self.bodies.values():
             if isinstance(body, Rigid):

@@ -94,6 +94,8 @@ class Steps(unittest.TestCase):
         self.assertEqual(sim.time, 0.0123)
         with self.assertRaises(projdyn.Error):
             sim.step(h=-1)
+        with self.assertWarnsRegex(RuntimeWarning, r"step\(2\) is one step of 2 s, not 2 steps"):
+            sim.step(2)
 
     def test_a_failed_step(self):
         sim = hanging_sheet(solver={"retries": 0}, gravity=[0, -1e6, 0], duration=1000,
