@@ -71,7 +71,7 @@ def print_row(*cells):
 
 
 def percent(value, digits=2):
-    return f"{100.0 * value:.{digits}g} %"
+    return f"{100.0 * value:.0f} %" if value > 0.99 else f"{100.0 * value:.{digits}g} %"
 
 
 def load_scene(name):
