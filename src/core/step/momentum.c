@@ -23,15 +23,21 @@ pdyn_status momentum_restore(struct pdyn_sim *sim) {
 
 /* ---- types that lack PDYN_ANCHORED ----------------------------------------------------------- */
 
-/* A sum of the forces of all constraints that is worth a warning, as an acceleration of all mass,
- * m/s^2: rounding leaves 1e-12. */
-static const double max_acceleration = 1e-6;
+/* A sum of forces that is worth a warning: as an acceleration of all mass, m/s^2, and as a part of
+ * the sum of their lengths, of which rounding leaves 1e-14. */
+static const double max_acceleration = 1e-6, max_part = 1e-9;
 
 /* Length of the sum of a force on all particles, N. */
 static double length_of_sum(const struct pdyn_sim *sim, const double *force) {
     double sum[3] = {0};
     for (int i = 0; i < sim->objective.particles; i++) vec3_add(sum, 1.0, force + 3 * (size_t)i);
     return vec3_length(sum);
+}
+
+static double sum_of_lengths(const struct pdyn_sim *sim, const double *force) {
+    double sum = 0.0;
+    for (int i = 0; i < sim->objective.particles; i++) sum += vec3_length(force + 3 * (size_t)i);
+    return sum;
 }
 
 /* The constraint whose forces have the largest sum, N, at the iterate. Overwrites
@@ -46,7 +52,8 @@ static pdyn_status find_unbalanced(struct pdyn_sim *sim, const struct batch **ou
         memset(force, 0, objective_bytes(objective));
         status = batch_local(objective->batch[b], sim->x_next, force);
         double sum = length_of_sum(sim, force);
-        if (sum > *largest) *largest = sum, *out = objective->batch[b];
+        bool rounded = sum <= max_part * sum_of_lengths(sim, force);
+        if (sum > *largest && !rounded) *largest = sum, *out = objective->batch[b];
     }
     return status;
 }
