@@ -139,7 +139,10 @@ static const struct bad_scene bad_bodies[] = {
     {BODY("{'surface': {'area_density': 1}}"),
      "scene.json:2:15: bodies[0].surface: expected exactly one of \"grid\" and \"mesh\", "
      "found neither"},
-    {BODY("{'surface': {'grid': {}, 'mesh': 'a.obj'}}"),
+    {BODY("{'fluid_friction': 1, 'surface': {}}"),
+     "scene.json:2:4: bodies[0]: unknown key \"fluid_friction\"; did you mean "
+     "\"surface.fluid_friction\"?"},
+    {BODY("{'surface': {'grid': {}, 'mesh': 'a.obj', 'area_density': 1}}"),
      "scene.json:2:15: bodies[0].surface: expected exactly one of \"grid\" and \"mesh\", "
      "found both"},
     {BODY("{'surface': {'mesh': 'a.off', 'area_density': 1}}"),

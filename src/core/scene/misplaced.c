@@ -3,42 +3,11 @@
 #include "misplaced.h"
 
 #include "base/text.h"
+#include "params.h"
+#include "scene_body.h"
 
 #include <string.h>
 
-static const char *const shapes[] = {"particles", "surface", "volume", "rigid"};
-static const char *const of_body[] = {"name", "color", "velocity", "constraints"};
-static const char *const of_shape[][2] = {{"particles", "fill"},
-                                          {"particles", "inlets"},
-                                          {"particles", "radius"},
-                                          {"particles", "budget"},
-                                          {"particles", "rest_density"},
-                                          {"surface", "grid"},
-                                          {"surface", "mesh"},
-                                          {"surface", "area_density"},
-                                          {"surface", "permeability"},
-                                          {"surface", "scale"},
-                                          {"surface", "rotate"},
-                                          {"surface", "translate"},
-                                          {"volume", "grid"},
-                                          {"volume", "mesh"},
-                                          {"volume", "cell"},
-                                          {"volume", "density"},
-                                          {"volume", "scale"},
-                                          {"volume", "rotate"},
-                                          {"volume", "translate"},
-                                          {"rigid", "mesh"},
-                                          {"rigid", "cell"},
-                                          {"rigid", "box"},
-                                          {"rigid", "sphere"},
-                                          {"rigid", "capsule"},
-                                          {"rigid", "density"},
-                                          {"rigid", "mass"},
-                                          {"rigid", "center_of_mass"},
-                                          {"rigid", "scale"},
-                                          {"rigid", "rotate"},
-                                          {"rigid", "translate"},
-                                          {"rigid", "angular_velocity"}};
 enum where { ANYWHERE, IN_FLUID, NOT_IN_FLUID }; /* objects in which a key is unknown */
 static const struct {
     const char *key, *place;
@@ -58,31 +27,30 @@ static const struct {
     {"surface_tension", "\"surface_tension\" in the \"constraints\" of a fluid", ANYWHERE},
 };
 
-#define COUNT(array) (sizeof(array) / sizeof *(array))
-
-/* Whether the object is a shape, whose name is then its key. */
-static bool is_shape(const struct json_at *object) {
-    for (size_t k = 0; object->key && k < COUNT(shapes); k++)
-        if (!strcmp(object->key, shapes[k])) return true;
+/* Whether the key is that of a kind of bodies. */
+static bool is_kind(const char *key) {
+    for (int k = 0; key && k < SCENE_KINDS; k++)
+        if (!strcmp(key, scene_kinds[k]->name)) return true;
     return false;
 }
 
 static bool hint_body(const struct json_at *at, char *hint, size_t size) {
-    for (size_t k = 0; is_shape(at->parent) && k < COUNT(of_body); k++)
-        if (!strcmp(at->key, of_body[k])) {
-            text_append(hint, size, "; it is a key of the body, beside \"%s\"", at->parent->key);
-            return true;
-        }
-    return false;
+    if (!is_kind(at->parent->key) || is_kind(at->key) ||
+        !params_has_key(scene_body_params, scene_body_others, at->key))
+        return false;
+    text_append(hint, size, "; it is a key of the body, beside \"%s\"", at->parent->key);
+    return true;
 }
 
 static bool hint_shape(const struct json_at *at, char *hint, size_t size) {
-    for (size_t k = 0; k < COUNT(of_shape); k++)
-        if (!strcmp(at->key, of_shape[k][1]) &&
-            json_is_object(json_object_get(at->parent->value, of_shape[k][0]))) {
-            text_append(hint, size, "; did you mean \"%s.%s\"?", of_shape[k][0], at->key);
-            return true;
-        }
+    for (int k = 0; k < SCENE_KINDS; k++) {
+        const struct scene_kind *kind = scene_kinds[k];
+        if (!json_is_object(json_object_get(at->parent->value, kind->name)) ||
+            !params_has_key(kind->params, kind->others, at->key))
+            continue;
+        text_append(hint, size, "; did you mean \"%s.%s\"?", kind->name, at->key);
+        return true;
+    }
     return false;
 }
 
@@ -102,7 +70,7 @@ static bool is_constraint(const struct json_at *object, const char *type) {
 static bool hint_elsewhere(const struct json_at *at, char *hint, size_t size) {
     enum where other = is_in_fluid(at->parent) ? NOT_IN_FLUID : IN_FLUID;
     if (!at->parent->parent || is_constraint(at->parent, at->key)) return false;
-    for (size_t k = 0; k < COUNT(elsewhere); k++)
+    for (size_t k = 0; k < sizeof elsewhere / sizeof *elsewhere; k++)
         if (!strcmp(at->key, elsewhere[k].key) && elsewhere[k].where != other) {
             text_append(hint, size, "; did you mean %s?", elsewhere[k].place);
             return true;

@@ -8,7 +8,7 @@
 
 enum { KEYS = 64 };
 
-static bool is_known(const pdyn_param *table, const char *const *others, const char *key) {
+bool params_has_key(const pdyn_param *table, const char *const *others, const char *key) {
     for (; table && table->name; table++)
         if (!strcmp(table->name, key)) return true;
     for (; *others; others++)
@@ -46,7 +46,7 @@ static pdyn_status fail_unknown(const struct json_at *at, const pdyn_param *tabl
     char hint[768] = "", key[64];
     int count = list_keys(table, others, names);
     text_clip(key, sizeof key, at->key);
-    if (array && is_known(table, others, array))
+    if (array && params_has_key(table, others, array))
         text_append(hint, sizeof hint, "; did you mean \"%s.%s\"?", array, key);
     else if (!misplaced_hint(at, hint, sizeof hint))
         hint_append(hint, sizeof hint, at->key, names, count);
@@ -70,7 +70,7 @@ pdyn_status params_check_keys(const struct json_at *object, const pdyn_param *ta
     if (!json_is_object(object->value)) return fail_no_object(object, table, others);
     json_object_foreach(object->value, key, value) {
         struct json_at at = json_member(object, key);
-        if (!is_known(table, others, key)) return fail_unknown(&at, table, others);
+        if (!params_has_key(table, others, key)) return fail_unknown(&at, table, others);
     }
     return PDYN_OK;
 }

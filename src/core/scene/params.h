@@ -11,8 +11,9 @@ struct sphere;
 
 /* ---- keys: param_keys.c ---------------------------------------------------------------------- */
 
-/* Checks that `object` is an object and each key is in `table` (NULL: no table) or in `others`,
- * which ends with NULL. */
+/* Whether a key is in `table` (NULL: no table) or in `others`, which ends with NULL. */
+bool params_has_key(const pdyn_param *table, const char *const *others, const char *key);
+/* Checks that `object` is an object and each key is in `table` or in `others`. */
 pdyn_status params_check_keys(const struct json_at *object, const pdyn_param *table,
                               const char *const *others);
 

@@ -2,27 +2,35 @@
 #include "scene_body.h"
 #include "params.h"
 
-static const pdyn_param body_params[] = {{"velocity", PDYN_VECTOR,
-                                          offsetof(struct scene_body, velocity), false, 0, -1e6,
-                                          1e6, "m/s", ""},
-                                         {0}};
+const pdyn_param scene_body_params[] = {{"velocity", PDYN_VECTOR,
+                                         offsetof(struct scene_body, velocity), false, 0, -1e6, 1e6,
+                                         "m/s", ""},
+                                        {0}};
+const char *const scene_body_others[] = {"name",   "color", "particles",   "surface",
+                                         "volume", "rigid", "constraints", NULL};
+const struct scene_kind *const scene_kinds[SCENE_KINDS] = {&scene_particles, &scene_surface,
+                                                           &scene_volume, &scene_rigid};
+
+static pdyn_status read_kind(struct reader *r, const struct json_at *owner) {
+    const char *names[SCENE_KINDS];
+    int found;
+    for (int k = 0; k < SCENE_KINDS; k++) names[k] = scene_kinds[k]->name;
+    pdyn_status status = reader_one_of(owner, names, SCENE_KINDS, &found);
+    if (status != PDYN_OK) return status;
+    const struct scene_kind *kind = scene_kinds[found];
+    struct json_at at = json_member(owner, kind->name);
+    status = params_check_keys(&at, kind->params, kind->others);
+    if (status == PDYN_OK) status = params_read(&at, kind->params, NULL, r->body);
+    return status == PDYN_OK ? kind->read(r, &at) : status;
+}
 
 pdyn_status scene_read_body(struct reader *r, const struct json_at *at, int index) {
-    static const char *const others[] = {"name",   "color", "particles",   "surface",
-                                         "volume", "rigid", "constraints", NULL};
-    static const char *const kinds[] = {"particles", "surface", "volume", "rigid"};
-    static scene_read_kind_fn *const readers[] = {scene_read_particles, scene_read_surface,
-                                                  scene_read_volume, scene_read_rigid};
-    int kind;
     struct scene_body *body = r->body = &r->scene->body[index];
     struct json_at constraints = json_member(at, "constraints");
-    pdyn_status status = params_check_keys(at, body_params, others);
+    pdyn_status status = params_check_keys(at, scene_body_params, scene_body_others);
     if (status == PDYN_OK) status = reader_name(r, at, "body", index, &body->name);
     if (status == PDYN_OK) status = reader_color(at, body->color);
-    if (status == PDYN_OK) status = reader_one_of(at, kinds, 4, &kind);
-    if (status == PDYN_OK) status = params_read(at, body_params, NULL, body);
-    if (status != PDYN_OK) return status;
-    struct json_at body_at = json_member(at, kinds[kind]);
-    status = readers[kind](r, &body_at);
+    if (status == PDYN_OK) status = params_read(at, scene_body_params, NULL, body);
+    if (status == PDYN_OK) status = read_kind(r, at);
     return status == PDYN_OK ? scene_read_constraints(r, &constraints) : status;
 }

@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-static const pdyn_param particles_params[] = {
+static const pdyn_param params[] = {
     {"radius", PDYN_REAL, offsetof(struct scene_body, radius), true, 0, 1e-6, 1e3, "m", ""},
     {"rest_density", PDYN_REAL, offsetof(struct scene_body, rest_density), false, 1000, 1e-3, 1e6,
      "kg/m^3", ""},
@@ -62,17 +62,16 @@ static pdyn_status read_overlap(struct reader *r, const struct json_at *owner) {
     return status;
 }
 
-pdyn_status scene_read_particles(struct reader *r, const struct json_at *at) {
-    static const char *const others[] = {"fill", "inlets", "overlap", NULL};
+static pdyn_status read(struct reader *r, const struct json_at *at) {
     struct scene_body *body = r->body;
     struct json_at fill = json_member(at, "fill"), inlets = json_member(at, "inlets");
-    pdyn_status status = params_check_keys(at, particles_params, others);
-    if (status == PDYN_OK) status = params_read(at, particles_params, NULL, body);
-    if (status == PDYN_OK)
-        status = reader_array(r, &fill, "an array of volumes to fill", read_fill,
-                              sizeof *body->fill_end, &body->fill_end, &body->fills);
+    pdyn_status status = reader_array(r, &fill, "an array of volumes to fill", read_fill,
+                                      sizeof *body->fill_end, &body->fill_end, &body->fills);
     if (status == PDYN_OK && !body->fills && !json_array_size(inlets.value))
         status = json_expected(&fill, "at least one volume to fill, or \"inlets\"");
     if (status == PDYN_OK) status = read_overlap(r, at);
     return status == PDYN_OK ? read_inlets(r, at) : status;
 }
+
+static const char *const others[] = {"fill", "inlets", "overlap", NULL};
+const struct scene_kind scene_particles = {"particles", params, others, read};

@@ -134,7 +134,7 @@ static pdyn_status move_centre(const struct json_at *at, const struct transform 
 /* ---- the body -------------------------------------------------------------------------------- */
 
 /* 0: absent; one of density and mass is given. */
-static const pdyn_param rigid_params[] = {
+static const pdyn_param params[] = {
     {"density", PDYN_REAL, offsetof(struct scene_body, density), false, 0, 1e-6, 1e6, "kg/m^3", ""},
     {"mass", PDYN_REAL, offsetof(struct scene_body, mass), false, 0, 1e-12, 1e12, "kg", ""},
     {"angular_velocity", PDYN_VECTOR, offsetof(struct scene_body, angular_velocity), false, 0, -1e6,
@@ -143,19 +143,19 @@ static const pdyn_param rigid_params[] = {
      "Pa s/m", ""},
     {0}};
 
-pdyn_status scene_read_rigid(struct reader *r, const struct json_at *at) {
-    static const char *const others[] = {"mesh",           "cell",  "box",    "sphere",
-                                         "capsule",        "scale", "rotate", "translate",
-                                         "center_of_mass", NULL};
+static const char *const others[] = {"mesh",  "cell",   "box",       "sphere",         "capsule",
+                                     "scale", "rotate", "translate", "center_of_mass", NULL};
+
+static pdyn_status read(struct reader *r, const struct json_at *at) {
     static const char *const masses[] = {"density", "mass"};
     struct scene_body *body = r->body;
     struct transform transform;
     int unused;
     body->has_mesh = body->is_rigid = true;
-    pdyn_status status = params_check_keys(at, rigid_params, others);
-    if (status == PDYN_OK) status = params_read(at, rigid_params, NULL, body);
-    if (status == PDYN_OK) status = reader_one_of(at, masses, 2, &unused);
+    pdyn_status status = reader_one_of(at, masses, 2, &unused);
     if (status == PDYN_OK) status = read_shape(r, at, &transform);
     if (status == PDYN_OK) status = weigh(at, body);
     return status == PDYN_OK ? move_centre(at, &transform, body) : status;
 }
+
+const struct scene_kind scene_rigid = {"rigid", params, others, read};

@@ -20,7 +20,7 @@ static pdyn_status read_grid(struct reader *r, const struct json_at *at, struct 
     return json_wrap(at, mesh_grid(r->context, size, vertices, sag, mesh));
 }
 
-static const pdyn_param surface_params[] = {
+static const pdyn_param params[] = {
     {"area_density", PDYN_REAL, offsetof(struct scene_body, area_density), true, 0, 1e-6, 1e6,
      "kg/m^2", ""},
     {"fluid_friction", PDYN_REAL, offsetof(struct scene_body, fluid_friction), false, 0, 0, 1e9,
@@ -29,17 +29,15 @@ static const pdyn_param surface_params[] = {
      "m/(Pa s)", ""},
     {0}};
 
-pdyn_status scene_read_surface(struct reader *r, const struct json_at *at) {
-    static const char *const others[] = {"grid", "mesh", "scale", "rotate", "translate", NULL};
+static const char *const others[] = {"grid", "mesh", "scale", "rotate", "translate", NULL};
+
+static pdyn_status read(struct reader *r, const struct json_at *at) {
     struct scene_body *body = r->body;
     struct json_at grid = json_member(at, "grid"), mesh = json_member(at, "mesh");
-    static const char *const shapes[] = {"grid", "mesh"};
     struct transform transform;
     int shape;
     body->has_mesh = true;
-    pdyn_status status = params_check_keys(at, surface_params, others);
-    if (status == PDYN_OK) status = reader_one_of(at, shapes, 2, &shape);
-    if (status == PDYN_OK) status = params_read(at, surface_params, NULL, body);
+    pdyn_status status = reader_one_of(at, others, 2, &shape);
     if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
     if (status != PDYN_OK) return status;
     if (grid.value) status = read_grid(r, &grid, &body->mesh);
@@ -52,3 +50,5 @@ pdyn_status scene_read_surface(struct reader *r, const struct json_at *at) {
     if (status == PDYN_OK) status = mesh_check_cloth(r->context, &body->mesh, "as placed");
     return json_wrap(grid.value ? &grid : &mesh, status);
 }
+
+const struct scene_kind scene_surface = {"surface", params, others, read};

@@ -5,7 +5,7 @@
 #include "scene_body.h"
 #include "transform.h"
 
-static const pdyn_param volume_params[] = {
+static const pdyn_param params[] = {
     {"density", PDYN_REAL, offsetof(struct scene_body, density), true, 0, 1e-6, 1e6, "kg/m^3", ""},
     {"fluid_friction", PDYN_REAL, offsetof(struct scene_body, fluid_friction), false, 0, 0, 1e9,
      "Pa s/m", ""},
@@ -40,18 +40,16 @@ static pdyn_status place_tets(struct reader *r, const struct json_at *at,
     return json_wrap(at, tets_finish(r->context, "as placed", &body->mesh, &body->tets));
 }
 
-pdyn_status scene_read_volume(struct reader *r, const struct json_at *at) {
-    static const char *const others[] = {"grid",   "mesh",      "cell", "scale",
-                                         "rotate", "translate", NULL};
+static const char *const others[] = {"grid", "mesh", "cell", "scale", "rotate", "translate", NULL};
+
+static pdyn_status read(struct reader *r, const struct json_at *at) {
     struct scene_body *body = r->body;
     struct json_at grid = json_member(at, "grid"), mesh = json_member(at, "mesh");
     struct json_at cell = json_member(at, "cell");
     struct transform transform;
     int shape;
     body->has_mesh = true;
-    pdyn_status status = params_check_keys(at, volume_params, others);
-    if (status == PDYN_OK) status = reader_one_of(at, others, 2, &shape);
-    if (status == PDYN_OK) status = params_read(at, volume_params, NULL, body);
+    pdyn_status status = reader_one_of(at, others, 2, &shape);
     if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
     if (status == PDYN_OK && cell.value && grid.value)
         status = json_fail_at_key(&cell, "\"cell\" needs a \"mesh\"");
@@ -63,3 +61,5 @@ pdyn_status scene_read_volume(struct reader *r, const struct json_at *at) {
     status = grid.value ? read_tet_grid(r, &grid) : read_tet_mesh(r, &mesh);
     return status == PDYN_OK ? place_tets(r, grid.value ? &grid : &mesh, &transform) : status;
 }
+
+const struct scene_kind scene_volume = {"volume", params, others, read};
