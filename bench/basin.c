@@ -54,8 +54,8 @@ static double weight_of(const pdyn_sim *sim) {
 static void run(pdyn_context *context, FILE *csv, double spacing, int vertices, double h,
                 double seconds) {
     double pressure = density * g * 0.08;
-    pdyn_sim *sim = load(context, scene, h, 0.5 * spacing, 0.45 * pressure * spacing / 1e-3, side,
-                         side, vertices, vertices, area_density);
+    pdyn_sim *sim = load_text(context, scene, h, 0.5 * spacing, 0.45 * pressure * spacing / 1e-3,
+                              side, side, vertices, vertices, area_density);
     double weight = weight_of(sim), peak = 0.0, kinetic = 0.0, reaction = 0.0, mean = 0.0,
            worst = 0.0;
     int steps = 0;

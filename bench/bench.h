@@ -11,7 +11,13 @@ static const double g = 9.81; /* m/s^2 */
 /* Prints a message and ends the program. */
 void die(const char *format, ...) PDYN_PRINTF(1, 2);
 
-/* Takes a step; a failure ends the program. */
+/* The context of a program; 0 threads: one per core. A failure ends the program, here and below. */
+pdyn_context *make_context(int threads);
+
+/* Loads a scene from a printf format with ' for ". */
+pdyn_sim *load_text(pdyn_context *context, const char *format, ...) PDYN_PRINTF(2, 3);
+
+/* Takes a step. */
 pdyn_step_info take_step(pdyn_context *context, pdyn_sim *sim);
 
 struct momenta {
@@ -22,5 +28,9 @@ struct momenta momenta_of(const pdyn_sim *sim);
 
 /* Opens DIRECTORY/NAME.csv for writing. */
 FILE *open_csv(const char *directory, const char *name);
+
+/* Writes the triangles of a sheet as OBJ: along + 1 rows of across + 1 vertices, diagonals in turn
+ * in both directions. */
+void write_triangles(FILE *file, int along, int across);
 
 #endif

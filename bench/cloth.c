@@ -10,6 +10,7 @@
  * classic Projective Dynamics in plain C, a loop over springs, cholmod_solve2 with its defaults
  * (`plain_simplicial`: without supernodes, for a slow BLAS). */
 #include "base/clock.h"
+#include "bench.h"
 #include "objective/assembly.h"
 #include "step/sim.h"
 
@@ -21,11 +22,6 @@
 
 enum { FALL = 20, ITERATIONS = 10, POINTS = 400 };
 
-static void die(const char *what) {
-    fprintf(stderr, "cloth: %s\n", what);
-    exit(1);
-}
-
 static void *allocate(size_t count, size_t size) {
     void *block = calloc(count, size);
     if (!block) die("out of memory");
@@ -33,24 +29,15 @@ static void *allocate(size_t count, size_t size) {
 }
 
 static pdyn_sim *load(pdyn_context *context, int n, double stiffness, const char *solver) {
-    char text[2048];
-    pdyn_sim *sim;
-    snprintf(text, sizeof text,
-             "{\"duration\": 1000, \"frame_interval\": 1000, \"time_step\": {\"integrator\": "
-             "\"euler\", \"fixed\": %.17g}, "
-             "\"solver\": {%s}, \"bodies\": [{\"surface\": {\"grid\": {\"size\": [1, 1], "
-             "\"vertices\": [%d, %d]}, \"area_density\": 0.2}, \"constraints\": [{\"type\": "
-             "\"spring\", \"stretching_stiffness\": %g}, {\"type\": \"bending\", "
-             "\"bending_rigidity\": 1e-4}, {\"type\": \"pin\", \"vertices\": {\"vertices\": [0, "
-             "%d]}}]}]}",
-             1.0 / 60.0, solver, n, n, stiffness, n - 1);
-    if (pdyn_load_text(context, text, "cloth", NULL, 0, &sim) != PDYN_OK)
-        die(pdyn_last_error(context));
-    return sim;
-}
-
-static void step(pdyn_context *context, pdyn_sim *sim) {
-    if (pdyn_step(sim, NULL) != PDYN_OK) die(pdyn_last_error(context));
+    return load_text(context,
+                     "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'integrator': "
+                     "'euler', 'fixed': %.17g}, "
+                     "'solver': {%s}, 'bodies': [{'surface': {'grid': {'size': [1, 1], "
+                     "'vertices': [%d, %d]}, 'area_density': 0.2}, 'constraints': [{'type': "
+                     "'spring', 'stretching_stiffness': %g}, {'type': 'bending', "
+                     "'bending_rigidity': 1e-4}, {'type': 'pin', 'vertices': {'vertices': [0, "
+                     "%d]}}]}]}",
+                     1.0 / 60.0, solver, n, n, stiffness, n - 1);
 }
 
 /* Copies the state of a simulation to another one, as if before its first step. */
@@ -196,7 +183,7 @@ static void trace_step(pdyn_context *context, pdyn_sim *sim, const pdyn_sim *sta
     t->points = t->linear = 0, t->paused = 0.0;
     pdyn_observe(sim, note, t);
     t->begin = clock_cpu_ms();
-    step(context, sim);
+    take_step(context, sim);
 }
 
 /* The first point with an error of at most `error`, or the last point. */
@@ -253,9 +240,9 @@ static void one_step(pdyn_context *context, int n, double stiffness, int repeat)
     newton = solvers[0];
     struct trace t = {.size = 3 * newton->objective.particles};
     double *best = allocate((size_t)t.size, sizeof *best);
-    for (int k = 0; k < FALL; k++) step(context, state);
+    for (int k = 0; k < FALL; k++) take_step(context, state);
     copy_state(state, newton);
-    step(context, newton);
+    take_step(context, newton);
     memcpy(best, newton->x, objective_bytes(&newton->objective));
     t.best = best, t.start = distance(newton->objective.s, best, t.size);
     for (int q = 0; q < 2; q++) {
@@ -300,10 +287,9 @@ static void run(pdyn_context *context, int n, double stiffness, int outer, int l
     double sum = 0.0, worst = 0.0, solves = 0.0, ms = 0.0, most = 0.0;
     int steps = 60, size = 3 * sim->objective.particles;
     for (int k = 0; k < steps; k++) {
-        pdyn_step_info info;
         copy_state(sim, best);
-        step(context, best);
-        if (pdyn_step(sim, &info) != PDYN_OK) die(pdyn_last_error(context));
+        take_step(context, best);
+        const pdyn_step_info info = take_step(context, sim);
         double error = distance(sim->x, best->x, size) / distance(sim->objective.s, best->x, size);
         sum += error, worst = fmax(worst, error), solves += info.linear_iterations;
         most = fmax(most, info.linear_iterations);
@@ -316,16 +302,13 @@ static void run(pdyn_context *context, int n, double stiffness, int outer, int l
 }
 
 int main(int argc, char **argv) {
-    pdyn_options options = pdyn_default_options();
-    pdyn_context *context;
     bool whole = argc == 6 && !strcmp(argv[1], "run");
     if (argc == 1) {
         puts("method,n,stiffness,ms,error,outer,linear");
         return 0;
     }
     if (!whole && argc != 3) die("expected N STIFFNESS, see bench/cloth.c");
-    options.threads = 1;
-    if (pdyn_create(&options, &context) != PDYN_OK) die("no context");
+    pdyn_context *context = make_context(1);
     if (whole) run(context, atoi(argv[2]), atof(argv[3]), atoi(argv[4]), atoi(argv[5]));
     else {
         int n = atoi(argv[1]);

@@ -4,6 +4,7 @@
  * largest displacement of a vertex in the second half, mm. */
 #include "contact/contact.h"
 #include "../tests/intersect.h"
+#include "bench.h"
 
 #include "projdyn/vec3.h"
 
@@ -34,11 +35,6 @@ static void add(struct tally *t, const pdyn_sim *sim, const pdyn_step_info *info
     soup_free(&soup);
 }
 
-static int fail(const pdyn_context *context) {
-    fprintf(stderr, "contact: %s\n", pdyn_last_error(context));
-    return EXIT_FAILURE;
-}
-
 /* Largest displacement of a vertex between two states, m. */
 static double most_moved(const double *a, const double *b, int particles) {
     double most = 0.0;
@@ -47,24 +43,17 @@ static double most_moved(const double *a, const double *b, int particles) {
 }
 
 int main(int argc, char **argv) {
-    pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
     struct tally t = {0};
-    pdyn_options options = pdyn_default_options();
-    options.threads = 1;
-    if (argc < 2) {
-        fprintf(stderr, "usage: contact SCENE [PATH=VALUE]...\n");
-        return EXIT_FAILURE;
-    }
-    if (pdyn_create(&options, &context) != PDYN_OK) return EXIT_FAILURE;
+    if (argc < 2) die("usage: contact SCENE [PATH=VALUE]...");
+    pdyn_context *context = make_context(1);
     if (pdyn_load(context, argv[1], (const char *const *)argv + 2, argc - 2, &sim) != PDYN_OK)
-        return fail(context);
+        die("%s", pdyn_last_error(context));
     size_t bytes = 3 * (size_t)sim->objective.particles * sizeof(double);
     double *half = malloc(bytes);
-    if (!half) return EXIT_FAILURE;
+    if (!half) die("out of memory");
     while (!pdyn_is_finished(sim)) {
-        pdyn_step_info info;
-        if (pdyn_step(sim, &info) != PDYN_OK) return fail(context);
+        const pdyn_step_info info = take_step(context, sim);
         add(&t, sim, &info);
         if (pdyn_time(sim) < 0.5 * pdyn_duration(sim) + 1e-9) memcpy(half, sim->x, bytes);
         t.contacts += contact_current(sim->objective.contact)->count;

@@ -8,6 +8,7 @@
  * to stagnation. Overrides hold for the warm-up and for the measured step.
  * Usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS [KEY=VALUE...]]] */
 #include "base/clock.h"
+#include "bench.h"
 #include "step/sim.h"
 
 #include "projdyn/control.h"
@@ -35,11 +36,6 @@ struct trace {
     double start, paused; /* ms; time of the observer is subtracted */
 };
 
-static void die(const char *what) {
-    fprintf(stderr, "convergence: %s\n", what);
-    exit(1);
-}
-
 static void note(void *user, const pdyn_iteration *it) {
     struct trace *t = user;
     double now = clock_ms();
@@ -61,7 +57,7 @@ static pdyn_sim *load(pdyn_context *context, const struct input *input, int coun
     for (int k = 0; k < count; k++) all[input->sets + k] = set[k];
     pdyn_sim *sim;
     if (pdyn_load(context, input->scene, all, input->sets + count, &sim) != PDYN_OK)
-        die(pdyn_last_error(context));
+        die("%s", pdyn_last_error(context));
     free(all);
     return sim;
 }
@@ -90,7 +86,7 @@ static struct trace solve(pdyn_context *context, const struct input *input, cons
     t.start = clock_ms();
     pdyn_step_info info;
     pdyn_status status = *h > 0.0 ? pdyn_step_by(t.sim, *h, &info) : pdyn_step(t.sim, &info);
-    if (status != PDYN_OK) die(pdyn_last_error(context));
+    if (status != PDYN_OK) die("%s", pdyn_last_error(context));
     if (info.retries || (*h > 0.0 && fabs(info.h - *h) > 1e-9 * *h)) die("the step was shortened");
     *h = info.h;
     return t;
@@ -144,18 +140,14 @@ static void release(struct trace *t) {
 int main(int argc, char **argv) {
     static const char usage[] =
         "usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS [KEY=VALUE...]]]";
-    if (argc < 2) die(usage);
+    if (argc < 2) die("%s", usage);
     if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h")) return puts(usage), 0;
     double warm = argc > 2 ? atof(argv[2]) : 0.2;
     int projective = argc > 3 ? atoi(argv[3]) : 1000;
     struct input input = {argv[1], argv + 4, argc > 4 ? argc - 4 : 0};
-    pdyn_options options = pdyn_default_options();
-    pdyn_context *context;
-    options.threads = 1;
-    if (pdyn_create(&options, &context) != PDYN_OK) die("no context");
+    pdyn_context *context = make_context(1);
     pdyn_sim *state = load(context, &input, 0, NULL);
-    while (pdyn_time(state) < warm * (1.0 - 1e-9))
-        if (pdyn_step(state, NULL) != PDYN_OK) die(pdyn_last_error(context));
+    while (pdyn_time(state) < warm * (1.0 - 1e-9)) take_step(context, state);
     double h = 0.0;
     struct trace best = solve(context, &input, state, "newton", 300, "1e-6", &h);
     struct trace newton = solve(context, &input, state, "newton", 40, "0.1", &h);

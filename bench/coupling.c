@@ -9,31 +9,12 @@
  *                                                    at V m/s */
 #include "coupling.h"
 
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
-pdyn_sim *load(pdyn_context *context, const char *format, ...) {
-    char text[131072];
-    pdyn_sim *sim;
-    va_list args;
-    va_start(args, format);
-    int length = vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    if (length < 0 || (size_t)length >= sizeof text) die("too long a scene");
-    for (char *c = text; *c; c++)
-        if (*c == '\'') *c = '"';
-    if (pdyn_load_text(context, text, "coupling", NULL, 0, &sim) != PDYN_OK)
-        die("%s", pdyn_last_error(context));
-    return sim;
-}
-
 int main(int argc, char **argv) {
     const char *command = argc > 2 ? argv[1] : "";
-    pdyn_options options = pdyn_default_options();
-    pdyn_context *context;
-    options.threads = 1;
-    if (pdyn_create(&options, &context) != PDYN_OK) die("no context");
+    pdyn_context *context = make_context(1);
     if (!strcmp(command, "momentum") && argc == 5)
         momentum(context, argv[2], atoi(argv[3]), atof(argv[4]));
     else if (!strcmp(command, "basin") && argc > 4)

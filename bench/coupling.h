@@ -6,9 +6,6 @@
 
 static const double density = 1000.0; /* kg/m^3 */
 
-/* Loads a scene from a printf format with ' for ". */
-pdyn_sim *load(pdyn_context *context, const char *format, ...) PDYN_PRINTF(2, 3);
-
 /* The commands of coupling.c: each writes CSV files into a directory and prints a markdown table.
  */
 void momentum(pdyn_context *context, const char *directory, int steps, double seconds);

@@ -6,7 +6,7 @@
  * 29 cells and proportional to the spacing: the displacement per step over the particle size stays
  * the same. So is the stiffness: the density error at rest stays the same. Times are means over all
  * steps; errors are means over the steps of the particles' mean and largest error. */
-#include "projdyn/projdyn.h"
+#include "bench.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -32,20 +32,19 @@ struct totals {
     double steps, mean, max, residual, worst_residual, outer, linear, ms[3];
 };
 
-static void write_scene(const struct setting *s, int cells, double seconds, char *text,
-                        size_t size) {
+static pdyn_sim *load(pdyn_context *context, const struct setting *s, int cells, double seconds) {
     double d = 1.0 / (cells + 1), scale = 30.0 * d;
     double step = (strcmp(s->time_step, "fixed") ? 5e-3 : 2.5e-3) * scale;
-    snprintf(text, size,
-             "{\"duration\": %g, \"frame_interval\": %g, \"time_step\": {\"integrator\": "
-             "\"euler\", \"%s\": %.17g}, "
-             "\"solver\": {%s}, \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": "
-             "%.17g, \"fill\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [%.17g, %.17g, "
-             "%.17g]}}]}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": %g, "
-             "\"viscosity\": 0.01}]}], \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], "
-             "\"maximum\": [4, 3, 1.5]}}]}",
-             seconds, seconds, s->time_step, step, s->solver, 0.5 * d, cells * d, cells * d,
-             cells * d, s->stiffness * scale);
+    return load_text(context,
+                     "{'duration': %g, 'frame_interval': %g, 'time_step': {'integrator': "
+                     "'euler', '%s': %.17g}, "
+                     "'solver': {%s}, 'bodies': [{'name': 'water', 'particles': {'radius': "
+                     "%.17g, 'fill': [{'box': {'minimum': [0, 0, 0], 'maximum': [%.17g, %.17g, "
+                     "%.17g]}}]}, 'constraints': [{'type': 'fluid', 'stiffness': %g, "
+                     "'viscosity': 0.01}]}], 'solids': [{'box': {'minimum': [0, 0, 0], "
+                     "'maximum': [4, 3, 1.5]}}]}",
+                     seconds, seconds, s->time_step, step, s->solver, 0.5 * d, cells * d, cells * d,
+                     cells * d, s->stiffness * scale);
 }
 
 static void add(struct totals *t, const pdyn_step_info *info) {
@@ -70,27 +69,15 @@ static const struct setting *find(const char *name) {
     return NULL;
 }
 
-static int fail(const char *message) {
-    fprintf(stderr, "fluid: %s\n", message);
-    return 1;
-}
-
-static int run(const char *cells, const char *threads, const struct setting *s, double seconds) {
-    char text[2048];
-    pdyn_options options = pdyn_default_options();
-    pdyn_context *context = NULL;
-    pdyn_sim *sim = NULL;
+static void run(int cells, int threads, const struct setting *s, double seconds) {
+    pdyn_context *context = make_context(threads);
+    pdyn_sim *sim = load(context, s, cells, seconds);
     pdyn_step_info info = {0};
     struct totals t = {0};
-    options.threads = atoi(threads);
-    if (pdyn_create(&options, &context) != PDYN_OK) return fail("no context");
-    write_scene(s, atoi(cells), seconds, text, sizeof text);
-    pdyn_status status = pdyn_load_text(context, text, "fluid", NULL, 0, &sim);
-    while (status == PDYN_OK && pdyn_time(sim) < pdyn_duration(sim) - 1e-12) {
-        status = pdyn_step(sim, &info);
+    while (pdyn_time(sim) < pdyn_duration(sim) - 1e-12) {
+        info = take_step(context, sim);
         add(&t, &info);
     }
-    if (status != PDYN_OK) return fail(pdyn_last_error(context));
     double ms = (t.ms[0] + t.ms[1] + t.ms[2]) / t.steps, n = pdyn_get_state(sim).particles;
     printf("%s,%.0f,%d,%.0f,%.4g,%.2f,%.2f,%.2f,%.2f,%.3f,%.2f,%.2f,%.5f,%.4f,%.3f,%.3f,%.2f,%.4f,"
            "%.0f\n",
@@ -100,7 +87,6 @@ static int run(const char *cells, const char *threads, const struct setting *s, 
            t.worst_residual, info.kinetic_energy, front(sim), (double)pdyn_peak_bytes(context) / n);
     pdyn_free(sim);
     pdyn_destroy(context);
-    return 0;
 }
 
 int main(int argc, char **argv) {
@@ -111,6 +97,7 @@ int main(int argc, char **argv) {
         return 0;
     }
     const struct setting *s = argc == 5 ? find(argv[3]) : NULL;
-    if (!s) return fail("expected CELLS THREADS SETTING SECONDS, see bench/fluid.c"), 2;
-    return run(argv[1], argv[2], s, atof(argv[4]));
+    if (!s) die("expected CELLS THREADS SETTING SECONDS, see bench/fluid.c");
+    run(atoi(argv[1]), atoi(argv[2]), s, atof(argv[4]));
+    return 0;
 }

@@ -331,10 +331,9 @@ static const struct {
 
 int main(int argc, char **argv) {
     struct job job = {0};
-    pdyn_options options = {.threads = 1};
     if (argc < 3) die("usage: gas compress|tension|float|cost DIRECTORY ...");
-    if (pdyn_create(&options, &job.context) != PDYN_OK) die("no context");
-    job.directory = argv[2], job.count = argc - 3, job.argument = argv + 3;
+    job.context = make_context(1), job.directory = argv[2], job.count = argc - 3,
+    job.argument = argv + 3;
     size_t k = 0, count = sizeof commands / sizeof *commands;
     while (k < count && strcmp(argv[1], commands[k].name)) k++;
     if (k == count) die("no command %s", argv[1]);

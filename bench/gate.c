@@ -28,12 +28,7 @@ static void write_plane(const char *path, const struct mesh *m, double slice) {
         for (int j = 0; j < n; j++)
             fprintf(file, "v %.17g %.17g %.17g\n", m->x, m->low + (m->high - m->low) * i / m->up,
                     (slice + 2.0 * m->z) * j / m->across - m->z);
-    for (int i = 0; i < m->up; i++)
-        for (int j = 1; j < n; j++) {
-            int a = i * n + j, b = a + 1, c = a + n, d = c + 1;
-            if ((i + j) % 2) fprintf(file, "f %d %d %d\nf %d %d %d\n", a, b, c, b, d, c);
-            else fprintf(file, "f %d %d %d\nf %d %d %d\n", a, b, d, a, d, c);
-        }
+    write_triangles(file, m->up, m->across);
     fclose(file);
 }
 
@@ -65,9 +60,9 @@ static pdyn_sim *load_gate(pdyn_context *context, const char *directory, double 
     double share = slice / (slice + 2.0 * d); /* width of the plate over the sheet's */
     double rigidity =
         share * modulus * thickness * thickness * thickness / (12.0 * (1.0 - 0.4 * 0.4));
-    return load(context, scene, integrator, h, 0.5 * d, width, depth, slice,
-                0.45 * pressure * d / 1e-3, sheet, share * gate_density * thickness,
-                share * modulus * thickness, rigidity, gate - 0.6 * ds, slice, wall);
+    return load_text(context, scene, integrator, h, 0.5 * d, width, depth, slice,
+                     0.45 * pressure * d / 1e-3, sheet, share * gate_density * thickness,
+                     share * modulus * thickness, rigidity, gate - 0.6 * ds, slice, wall);
 }
 
 /* Mean x of the lowest row, m. */

@@ -123,12 +123,7 @@ void sheet_write(FILE *file, int along, int across,
             place(user, (double)i / along, (double)j / across, x);
             fprintf(file, "v %.17g %.17g %.17g\n", x[0], x[1], x[2]);
         }
-    for (int i = 0; i < along; i++)
-        for (int j = 1; j < n; j++) {
-            int a = i * n + j, b = a + 1, c = a + n, e = c + 1;
-            if ((i + j) % 2) fprintf(file, "f %d %d %d\nf %d %d %d\n", a, b, c, b, e, c);
-            else fprintf(file, "f %d %d %d\nf %d %d %d\n", a, b, e, a, e, c);
-        }
+    write_triangles(file, along, across);
     fclose(file);
 }
 

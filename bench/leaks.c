@@ -163,16 +163,17 @@ static void impact(pdyn_context *context, FILE *csv, const struct run *run) {
     int n = run->across;
     double half = 0.15, d = 2.0 * half / n;
     look(context,
-         load(context,
-              "{'duration': 1000, " SOLVER ", 'bodies': [{'name': 'water', 'velocity': [0, %g, "
-              "0], 'particles': {'radius': %.17g, 'fill': [{'box': {'minimum': [%g, 0.02, %g], "
-              "'maximum': [%.17g, %.17g, %.17g]}}]}, 'constraints': [{'type': 'fluid', "
-              "'stiffness': 1e5}]}, {'name': 'sheet', 'surface': {'grid': {'size': [%g, %g], "
-              "'vertices': [%d, %d]}, 'area_density': 0.3}, 'constraints': [{'type': 'triangle', "
-              "'stretching_stiffness': 2e4}, {'type': 'bending', 'bending_rigidity': 1e-4}, "
-              "{'type': 'pin', 'vertices': {'border': true}}]}]}",
-              run->h, run->outer, run->linear, -run->speed, 0.5 * d, -half, -half, half + 1e-9,
-              0.02 + n * d + 1e-9, half + 1e-9, side, side, run->mesh, run->mesh),
+         load_text(
+             context,
+             "{'duration': 1000, " SOLVER ", 'bodies': [{'name': 'water', 'velocity': [0, %g, "
+             "0], 'particles': {'radius': %.17g, 'fill': [{'box': {'minimum': [%g, 0.02, %g], "
+             "'maximum': [%.17g, %.17g, %.17g]}}]}, 'constraints': [{'type': 'fluid', "
+             "'stiffness': 1e5}]}, {'name': 'sheet', 'surface': {'grid': {'size': [%g, %g], "
+             "'vertices': [%d, %d]}, 'area_density': 0.3}, 'constraints': [{'type': 'triangle', "
+             "'stretching_stiffness': 2e4}, {'type': 'bending', 'bending_rigidity': 1e-4}, "
+             "{'type': 'pin', 'vertices': {'border': true}}]}]}",
+             run->h, run->outer, run->linear, -run->speed, 0.5 * d, -half, -half, half + 1e-9,
+             0.02 + n * d + 1e-9, half + 1e-9, side, side, run->mesh, run->mesh),
          csv, run, false);
 }
 
@@ -230,16 +231,17 @@ static void bag(pdyn_context *context, const char *directory, FILE *csv, const s
                                       : 0.0,
                          k % 2 ? 0.05 : 0.0);
     look(context,
-         load(context,
-              "{'duration': 1000, " SOLVER ", 'bodies': [{'name': 'water', 'particles': {'radius': "
-              "%.17g, 'fill': [{'sphere': {'center': [0, 0, 0], 'radius': %.17g}}]}, "
-              "'constraints': [{'type': 'fluid', 'stiffness': 1e4}]}, {'name': 'bag', 'surface': "
-              "{'mesh': '%s', 'area_density': 0.3}, 'constraints': [{'type': 'triangle', "
-              "'stretching_stiffness': 5e3}, {'type': 'bending', 'bending_rigidity': 1e-4}, "
-              "{'type': 'pin', 'stiffness': 1e5, 'vertices': {'box': {'minimum': [-1, 0.085, -1], "
-              "'maximum': [1, 1, "
-              "1]}}, 'path': [%s]}]}]}",
-              run->h, run->outer, run->linear, 0.5 * d, radius - 0.8 * d, path, way),
+         load_text(
+             context,
+             "{'duration': 1000, " SOLVER ", 'bodies': [{'name': 'water', 'particles': {'radius': "
+             "%.17g, 'fill': [{'sphere': {'center': [0, 0, 0], 'radius': %.17g}}]}, "
+             "'constraints': [{'type': 'fluid', 'stiffness': 1e4}]}, {'name': 'bag', 'surface': "
+             "{'mesh': '%s', 'area_density': 0.3}, 'constraints': [{'type': 'triangle', "
+             "'stretching_stiffness': 5e3}, {'type': 'bending', 'bending_rigidity': 1e-4}, "
+             "{'type': 'pin', 'stiffness': 1e5, 'vertices': {'box': {'minimum': [-1, 0.085, -1], "
+             "'maximum': [1, 1, "
+             "1]}}, 'path': [%s]}]}]}",
+             run->h, run->outer, run->linear, 0.5 * d, radius - 0.8 * d, path, way),
          csv, run, true);
 }
 

@@ -112,12 +112,7 @@ static void write_sheet(const struct slice *slice, const char *path) {
             arc_point(row_arc(slice, i), xy);
             fprintf(file, "v %.17g %.17g %.17g\n", xy[0], xy[1], z);
         }
-    for (int i = 0; i < slice->along; i++)
-        for (int j = 1; j < n; j++) {
-            int a = i * n + j, b = a + 1, c = a + n, d = c + 1;
-            if ((i + j) % 2) fprintf(file, "f %d %d %d\nf %d %d %d\n", a, b, c, b, d, c);
-            else fprintf(file, "f %d %d %d\nf %d %d %d\n", a, b, d, a, d, c);
-        }
+    write_triangles(file, slice->along, slice->across);
     fclose(file);
 }
 
@@ -153,7 +148,7 @@ static pdyn_sim *load_slice(pdyn_context *context, const char *directory, const 
     snprintf(path, sizeof path, "%s/lintearia.obj", directory);
     write_sheet(slice, path);
     fill(slice, area, boxes, sizeof boxes);
-    return load(
+    return load_text(
         context,
         "{'duration': 1000, 'frame_interval': 0.1, 'time_step': {'integrator': 'euler', 'maximum': "
         "%g}, 'solver': "

@@ -13,26 +13,10 @@
 #include "projdyn/vec3.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const double d = 0.02, water = 1000.0, pi = 3.14159265358979323846; /* m, kg/m^3 */
-
-static pdyn_sim *load(pdyn_context *context, const char *format, ...) PDYN_PRINTF(2, 3);
-static pdyn_sim *load(pdyn_context *context, const char *format, ...) {
-    char text[8192];
-    pdyn_sim *sim;
-    va_list args;
-    va_start(args, format);
-    if (vsnprintf(text, sizeof text, format, args) >= (int)sizeof text) die("too long a scene");
-    va_end(args);
-    for (char *c = text; *c; c++)
-        if (*c == '\'') *c = '"';
-    if (pdyn_load_text(context, text, "liquids", NULL, 0, &sim) != PDYN_OK)
-        die("%s", pdyn_last_error(context));
-    return sim;
-}
 
 /* A body of a liquid; arguments: name, density, radius, fill, compression or stiffness as text. */
 #define LIQUID                                                                                     \
@@ -94,11 +78,12 @@ static void measure_layers(pdyn_context *context, int width, int lower, int uppe
     snprintf(below, sizeof below, BOX, 0.0, 0.0, 0.0, W, level, W);
     snprintf(above, sizeof above, BOX, 0.0, level, 0.0, W, top, W);
     const char *calm = "'compression': 1e-3, 'viscosity': 0.2";
-    pdyn_sim *sim = load(context,
-                         "{'duration': 1000, 'time_step': {'maximum': 0.005}, 'bodies': [" LIQUID
-                         ", " LIQUID "], " TANK,
-                         "lower", water, 0.5 * d, below, calm, "upper", density, 0.5 * d, above,
-                         calm, W, top + 10.0 * d, W);
+    pdyn_sim *sim =
+        load_text(context,
+                  "{'duration': 1000, 'time_step': {'maximum': 0.005}, 'bodies': [" LIQUID
+                  ", " LIQUID "], " TANK,
+                  "lower", water, 0.5 * d, below, calm, "upper", density, 0.5 * d, above, calm, W,
+                  top + 10.0 * d, W);
     const pdyn_state state = pdyn_get_state(sim);
     long steps = 0;
     for (; pdyn_time(sim) < seconds; steps++) {
@@ -194,11 +179,12 @@ static pdyn_sim *load_wave(pdyn_context *context, const struct wave *w, const ch
         write_points(w, above, path);
         snprintf(fill[above], sizeof fill[above], "{'file': '%s'}", path);
     }
-    return load(context,
-                "{'duration': 1000, 'time_step': {'maximum': 0.004}, 'bodies': [" LIQUID ", " LIQUID
-                "], " TANK,
-                "lower", density, 0.5 * d, fill[0], "'compression': 1e-3", "upper", water, 0.5 * d,
-                fill[1], "'compression': 1e-3", w->length * d, (2 * w->depth + 10) * d, THICK * d);
+    return load_text(context,
+                     "{'duration': 1000, 'time_step': {'maximum': 0.004}, 'bodies': [" LIQUID
+                     ", " LIQUID "], " TANK,
+                     "lower", density, 0.5 * d, fill[0], "'compression': 1e-3", "upper", water,
+                     0.5 * d, fill[1], "'compression': 1e-3", w->length * d,
+                     (2 * w->depth + 10) * d, THICK * d);
 }
 
 /* The rate n of a growth cosh(n t) from 2 to 4 times the amplitude at the start, 1/s, and the speed
@@ -255,11 +241,11 @@ static void momentum(pdyn_context *context, int count, char **argument) {
                  "{'box': {'minimum': [0, 0, 0], 'maximum': [0.2, 0.2, 0.2]}, 'velocity': [2, 0.3, "
                  "0]}");
         snprintf(right, sizeof right, BOX, 0.22, 0.1, 0.0, 0.42, 0.3, 0.2);
-        pdyn_sim *sim = load(context,
-                             "{'duration': 1000, 'gravity': [0, 0, 0], 'time_step': {'fixed': "
-                             "0.002}, 'bodies': [" LIQUID ", " LIQUID "]}",
-                             "water", water, 0.5 * d, left, "'sound_speed': 40", "drop", density,
-                             0.5 * d, right, "'sound_speed': 40");
+        pdyn_sim *sim = load_text(context,
+                                  "{'duration': 1000, 'gravity': [0, 0, 0], 'time_step': {'fixed': "
+                                  "0.002}, 'bodies': [" LIQUID ", " LIQUID "]}",
+                                  "water", water, 0.5 * d, left, "'sound_speed': 40", "drop",
+                                  density, 0.5 * d, right, "'sound_speed': 40");
         struct momenta begin = momenta_of(sim), end;
         for (int n = 0; n < atoi(argument[0]); n++) take_step(context, sim);
         end = momenta_of(sim);
@@ -277,9 +263,7 @@ int main(int argc, char **argv) {
         void (*run)(pdyn_context *context, int count, char **argument);
         int least; /* arguments */
     } commands[] = {{"layers", layers, 5}, {"overturn", overturn, 5}, {"momentum", momentum, 2}};
-    pdyn_context *context = NULL;
-    pdyn_options options = {.threads = 1};
-    if (pdyn_create(&options, &context) != PDYN_OK) die("no context");
+    pdyn_context *context = make_context(1);
     for (size_t k = 0; argc > 1 && k < sizeof commands / sizeof *commands; k++)
         if (!strcmp(argv[1], commands[k].name) && argc - 2 >= commands[k].least) {
             commands[k].run(context, argc - 2, argv + 2);

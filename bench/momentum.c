@@ -35,7 +35,7 @@ static void linear(pdyn_context *context, FILE *csv, int steps) {
     };
     printf("| solver | step residual, geometric mean | linear momentum |\n|---|---|---|\n");
     for (size_t k = 0; k < sizeof runs / sizeof *runs; k++) {
-        pdyn_sim *sim = load(context, scene, 0.004, runs[k].solver, runs[k].stiffness, 0.02);
+        pdyn_sim *sim = load_text(context, scene, 0.004, runs[k].solver, runs[k].stiffness, 0.02);
         struct momenta begin = momenta_of(sim);
         double residual = 0.0;
         for (int n = 0; n < steps; n++) residual += log(take_step(context, sim).step_residual);
@@ -50,8 +50,8 @@ static void linear(pdyn_context *context, FILE *csv, int steps) {
 }
 
 static double angular_drift(pdyn_context *context, double h, double viscosity, double seconds) {
-    pdyn_sim *sim = load(context, scene, h, "'outer_iterations': 40, 'tolerance': 1e-3", 1e5,
-                         viscosity * h / 0.004);
+    pdyn_sim *sim = load_text(context, scene, h, "'outer_iterations': 40, 'tolerance': 1e-3", 1e5,
+                              viscosity * h / 0.004);
     struct momenta begin = momenta_of(sim);
     while (pdyn_time(sim) < seconds - 0.5 * h) take_step(context, sim);
     struct momenta end = momenta_of(sim);

@@ -13,27 +13,10 @@
 #include "projdyn/vec3.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
 static pdyn_context *context;
-
-/* Loads a scene from a text with ' for ". */
-static pdyn_sim *load(const char *format, ...) PDYN_PRINTF(1, 2);
-static pdyn_sim *load(const char *format, ...) {
-    static char text[1 << 17];
-    pdyn_sim *sim = NULL;
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    for (char *c = text; *c; c++)
-        if (*c == '\'') *c = '"';
-    if (pdyn_load_text(context, text, "rigid", NULL, 0, &sim) != PDYN_OK)
-        die("%s", pdyn_last_error(context));
-    return sim;
-}
 
 /* Mean position or velocity of the vertices of a box. */
 static void middle_of(const pdyn_sim *sim, int body, const double *value, double mean[3]) {
@@ -107,7 +90,8 @@ static void flight(int steps) {
     } runs[] = {{"bdf2", 2e-3}, {"bdf2", 5e-3}, {"euler", 5e-3}};
     for (size_t k = 0; k < sizeof runs / sizeof *runs; k++) {
         double h = runs[k].h;
-        pdyn_sim *sim = load(
+        pdyn_sim *sim = load_text(
+            context,
             "{'duration': 1000, 'gravity': [0, 0, 0], 'frame_interval': 1000, 'time_step': {"
             "'fixed': %g, 'integrator': '%s'}, 'bodies': [{'velocity': [0.3, -0.2, 0.1], 'rigid': "
             "{'box': {'minimum': [%g, %g, %g], 'maximum': [%g, %g, %g]}, 'density': 700, "
@@ -137,13 +121,15 @@ static void flight(int steps) {
 
 static pdyn_sim *load_slope(double degrees, double friction, double h) {
     double angle = degrees * pi / 180.0;
-    return load("{'duration': 1000, 'gravity': [%.17g, %.17g, 0], 'frame_interval': 1000, "
-                "'time_step': {'fixed': %g}, 'solver': {'tolerance': 1e-5},"
-                "'contact': {'thickness': 0.002, 'stiffness': 1e5, 'friction': %g}, 'solids': ["
-                "{'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 40}}],"
-                "'bodies': [{'rigid': {'box': {'minimum': [-0.1, 0.002, -0.1], 'maximum': [0.1, "
-                "0.102, 0.1]}, 'density': 1000}}]}",
-                g * sin(angle), -g * cos(angle), h, friction);
+    return load_text(
+        context,
+        "{'duration': 1000, 'gravity': [%.17g, %.17g, 0], 'frame_interval': 1000, "
+        "'time_step': {'fixed': %g}, 'solver': {'tolerance': 1e-5},"
+        "'contact': {'thickness': 0.002, 'stiffness': 1e5, 'friction': %g}, 'solids': ["
+        "{'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 40}}],"
+        "'bodies': [{'rigid': {'box': {'minimum': [-0.1, 0.002, -0.1], 'maximum': [0.1, "
+        "0.102, 0.1]}, 'density': 1000}}]}",
+        g * sin(angle), -g * cos(angle), h, friction);
 }
 
 /* The box's way along the slope from 1 s to 2 s, and its mean acceleration then. */
@@ -191,11 +177,13 @@ static void stack(double seconds) {
             "'density': 1000}}",
             k ? ", " : "", low, low + side);
     }
-    pdyn_sim *sim = load("{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': %g}, "
-                         "'solver': {'tolerance': 0.001}, "
-                         "'contact': {'thickness': 0.002, 'stiffness': 1e5}, 'solids': [{'plane': "
-                         "{'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 4}}], 'bodies': [%s]}",
-                         h, bodies);
+    pdyn_sim *sim =
+        load_text(context,
+                  "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': %g}, "
+                  "'solver': {'tolerance': 0.001}, "
+                  "'contact': {'thickness': 0.002, 'stiffness': 1e5}, 'solids': [{'plane': "
+                  "{'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 4}}], 'bodies': [%s]}",
+                  h, bodies);
     printf("| time, s | top of the stack, mm below the start | largest drift, mm | speed of the "
            "top, mm/s | outer, linear iterations | ms per step |\n|---|---|---|---|---|---|\n");
     double start[3], x[3], v[3], outer = 0.0, linear = 0.0, ms = 0.0;
@@ -233,7 +221,8 @@ static void floating(double seconds) {
            seconds);
     for (size_t k = 0; k < sizeof ratios / sizeof *ratios; k++) {
         double height = width / ratios[k], x[3], outer = 0.0, linear = 0.0;
-        pdyn_sim *sim = load(
+        pdyn_sim *sim = load_text(
+            context,
             "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': %g}, 'contact': "
             "{'thickness': 0.002, 'stiffness': 1e4}, 'solids': [{'box': {'minimum': [0, 0, 0], "
             "'maximum': [%g, %g, %g]}, 'open': ['+y']}], 'bodies': [{'name': 'box', 'rigid': "
@@ -291,7 +280,8 @@ struct cost {
 
 /* Steps of the default length, which `cfl` limits. */
 static struct cost cost_of(const char *more, double seconds) {
-    pdyn_sim *sim = load(
+    pdyn_sim *sim = load_text(
+        context,
         "{'duration': 1000, 'frame_interval': 1000, 'solids': "
         "[{'box': {'minimum': [0, 0, 0], 'maximum': [1.62, 1.2, 0.54]}, 'open': ['+y']}], "
         "'bodies': [{'name': 'water', 'particles': {'radius': 0.01, 'fill': [{'box': {'minimum': "
@@ -329,11 +319,9 @@ static void many(double seconds) {
 /* ---- main ------------------------------------------------------------------------------------ */
 
 int main(int argc, char **argv) {
-    pdyn_options options = pdyn_default_options();
-    options.threads = 1;
     const char *command = argc > 1 ? argv[1] : "";
     double number = argc > 2 ? strtod(argv[2], NULL) : 0.0;
-    if (pdyn_create(&options, &context) != PDYN_OK) die("no memory");
+    context = make_context(1);
     if (!strcmp(command, "flight")) flight(number > 0.0 ? (int)number : 1000);
     else if (!strcmp(command, "incline")) incline();
     else if (!strcmp(command, "stack")) stack(number > 0.0 ? number : 10.0);

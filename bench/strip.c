@@ -51,21 +51,17 @@ static void write_mesh(const char *directory, const struct strip *s) {
 }
 
 pdyn_sim *strip_load(pdyn_context *context, const char *directory, const struct strip *s) {
-    char text[8192];
-    pdyn_sim *sim;
     write_mesh(directory, s);
-    snprintf(text, sizeof text,
-             "{\"duration\": 1e6, \"frame_interval\": 1e3, \"time_step\": {\"integrator\": "
-             "\"euler\", \"fixed\": %.17g}, "
-             "\"gravity\": [%.17g, %.17g, %.17g], \"solver\": {\"type\": \"%s\", "
-             "\"tolerance\": %.17g, \"outer_iterations\": 200}, \"bodies\": [{\"name\": "
-             "\"strip\", \"surface\": {\"mesh\": \"%s/%s.obj\", \"area_density\": %.17g}, "
-             "\"constraints\": [%s]}]}",
-             s->h, s->gravity[0], s->gravity[1], s->gravity[2], s->solver ? s->solver : "cholesky",
-             s->tolerance, directory, s->name, s->area_density, s->constraints);
-    if (pdyn_load_text(context, text, "validation", NULL, 0, &sim) != PDYN_OK)
-        die("%s", pdyn_last_error(context));
-    return sim;
+    return load_text(context,
+                     "{'duration': 1e6, 'frame_interval': 1e3, 'time_step': {'integrator': "
+                     "'euler', 'fixed': %.17g}, "
+                     "'gravity': [%.17g, %.17g, %.17g], 'solver': {'type': '%s', "
+                     "'tolerance': %.17g, 'outer_iterations': 200}, 'bodies': [{'name': "
+                     "'strip', 'surface': {'mesh': '%s/%s.obj', 'area_density': %.17g}, "
+                     "'constraints': [%s]}]}",
+                     s->h, s->gravity[0], s->gravity[1], s->gravity[2],
+                     s->solver ? s->solver : "cholesky", s->tolerance, directory, s->name,
+                     s->area_density, s->constraints);
 }
 
 /* A swinging strip is momentarily at rest at its turning points: rest has to last some steps. */

@@ -21,21 +21,15 @@ struct drop {
 };
 
 static pdyn_sim *load(pdyn_context *context, const struct drop *drop) {
-    char text[8192];
-    pdyn_sim *sim;
-    snprintf(
-        text, sizeof text,
-        "{\"gravity\": [0, 0, 0], \"duration\": 100, \"kernel\": \"%s\", \"time_step\": "
-        "{\"maximum\": %g}, "
-        "\"solver\": {\"linear_tolerance\": 0.1}, \"bodies\": [{\"particles\": {\"radius\": %g, "
-        "\"fill\": [%s]}, \"constraints\": [{\"type\": \"fluid\", \"sound_speed\": 5, "
-        "\"viscosity\": %g}, {\"type\": \"surface_tension\", \"tension\": %g, "
-        "\"contact_angle\": %g}]}], \"solids\": [%s]}",
-        kernel, drop->step, 0.5 * d, drop->fill, drop->viscosity, drop->tension, drop->angle,
-        drop->solids);
-    if (pdyn_load_text(context, text, "tension", NULL, 0, &sim) != PDYN_OK)
-        die("%s", pdyn_last_error(context));
-    return sim;
+    return load_text(context,
+                     "{'gravity': [0, 0, 0], 'duration': 100, 'kernel': '%s', 'time_step': "
+                     "{'maximum': %g}, "
+                     "'solver': {'linear_tolerance': 0.1}, 'bodies': [{'particles': {'radius': %g, "
+                     "'fill': [%s]}, 'constraints': [{'type': 'fluid', 'sound_speed': 5, "
+                     "'viscosity': %g}, {'type': 'surface_tension', 'tension': %g, "
+                     "'contact_angle': %g}]}], 'solids': [%s]}",
+                     kernel, drop->step, 0.5 * d, drop->fill, drop->viscosity, drop->tension,
+                     drop->angle, drop->solids);
 }
 
 struct shape {
@@ -288,11 +282,8 @@ int main(int argc, char **argv) {
                  {"period", all_periods},
                  {"cube", all_cubes},
                  {"angle", all_angles}};
-    pdyn_options options = pdyn_default_options();
-    pdyn_context *context;
-    options.threads = 1;
+    pdyn_context *context = make_context(1);
     if (argc > 2) kernel = argv[2];
-    if (pdyn_create(&options, &context) != PDYN_OK) die("no context");
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++)
         if (argc < 2 || !strcmp(argv[1], "all") || !strcmp(argv[1], parts[k].name))
             parts[k].run(context), printf("\n");

@@ -23,14 +23,6 @@ static double now_ms(void) {
     return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
 }
 
-static pdyn_context *one_thread(void) {
-    pdyn_options options = pdyn_default_options();
-    pdyn_context *context;
-    options.threads = 1;
-    if (pdyn_create(&options, &context) != PDYN_OK) die("no memory");
-    return context;
-}
-
 /* ---- order ----------------------------------------------------------------------------------- */
 
 struct course {
@@ -67,7 +59,7 @@ static struct course run(const struct request *r, const char *integrator, double
     char step[64], kind[64], duration[64], interval[64];
     const char *set[SETS + 4] = {step, kind, duration, interval};
     struct course c;
-    pdyn_context *context = one_thread();
+    pdyn_context *context = make_context(1);
     pdyn_sim *sim;
     snprintf(step, sizeof step, "time_step.fixed=%.17g", 1e-3 * ms);
     snprintf(kind, sizeof kind, "time_step.integrator=%s", integrator);
@@ -122,18 +114,14 @@ enum { SWINGS = 5 };
 /* Decay of the maxima of the centre of mass, 1/s. */
 static double decay(const char *integrator, double ms) {
     static const char tank[] =
-        "{\"duration\": 100, \"frame_interval\": 100, \"time_step\": {\"fixed\": %.17g, "
-        "\"integrator\": \"%s\"}, \"solver\": {\"tolerance\": 0.01, \"outer_iterations\": 100}, "
-        "\"bodies\": [{\"name\": \"water\", \"velocity\": [0.4, 0, 0], \"particles\": {\"radius\": "
-        "0.015625, \"fill\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [1, 0.5, 0.25]}}]}, "
-        "\"constraints\": [{\"type\": \"fluid\", \"viscosity\": 0}]}], \"solids\": [{\"box\": "
-        "{\"minimum\": [0, 0, 0], \"maximum\": [1, 0.75, 0.25]}, \"open\": [\"+y\"]}]}";
-    char text[2048];
-    pdyn_context *context = one_thread();
-    pdyn_sim *sim;
-    snprintf(text, sizeof text, tank, 1e-3 * ms, integrator);
-    if (pdyn_load_text(context, text, "tank", NULL, 0, &sim) != PDYN_OK)
-        die("%s", pdyn_last_error(context));
+        "{'duration': 100, 'frame_interval': 100, 'time_step': {'fixed': %.17g, "
+        "'integrator': '%s'}, 'solver': {'tolerance': 0.01, 'outer_iterations': 100}, "
+        "'bodies': [{'name': 'water', 'velocity': [0.4, 0, 0], 'particles': {'radius': "
+        "0.015625, 'fill': [{'box': {'minimum': [0, 0, 0], 'maximum': [1, 0.5, 0.25]}}]}, "
+        "'constraints': [{'type': 'fluid', 'viscosity': 0}]}], 'solids': [{'box': "
+        "{'minimum': [0, 0, 0], 'maximum': [1, 0.75, 0.25]}, 'open': ['+y']}]}";
+    pdyn_context *context = make_context(1);
+    pdyn_sim *sim = load_text(context, tank, 1e-3 * ms, integrator);
     const pdyn_state s = pdyn_get_state(sim);
     double before = 0.0, farthest = 0.0, first = 0.0, last = 0.0, begin = 0.0, end = 0.0;
     for (int swings = 0; swings < SWINGS;) {

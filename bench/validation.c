@@ -24,36 +24,27 @@ static double stiffness(const struct water *water) {
     return 0.45 * pressure * water->spacing / 1e-3;
 }
 
-static const char solved[] =
-    "\"tolerance\": 0.1, \"linear_tolerance\": 0.1, \"linear_iterations\": 2000";
-static const char cut_short[] = "\"tolerance\": 0.01, \"linear_tolerance\": 0, "
-                                "\"linear_iterations\": 10, \"outer_iterations\": 1";
-
-static void write_scene(const struct water *water, char *text, size_t size) {
-    const double d = water->spacing, *tank = water->tank;
-    const int *n = water->cells;
-    snprintf(text, size,
-             "{\"duration\": %.17g, \"frame_interval\": %.17g, \"time_step\": {\"integrator\": "
-             "\"%s\", \"%s\": %.17g}, "
-             "\"solver\": {%s}, \"bodies\": [{\"name\": \"water\", \"velocity\": [%.17g, 0, 0], "
-             "\"particles\": {\"radius\": %.17g, \"rest_density\": %d, \"fill\": [{\"box\": "
-             "{\"minimum\": [0, 0, 0], \"maximum\": [%.17g, %.17g, %.17g]}}]}, \"constraints\": "
-             "[{\"type\": \"fluid\", \"stiffness\": %.17g, \"viscosity\": %.17g}]}], \"solids\": "
-             "[{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [%.17g, %.17g, %.17g]}, \"open\": "
-             "[\"+y\"]}]}",
-             water->duration, water->duration, water->integrator ? water->integrator : "euler",
-             water->adaptive ? "maximum" : "fixed", water->step,
-             water->cut_short ? cut_short : solved, water->speed, 0.5 * d, DENSITY, n[0] * d,
-             n[1] * d, n[2] * d, stiffness(water), water->viscosity, tank[0], tank[1], tank[2]);
-}
+static const char solved[] = "'tolerance': 0.1, 'linear_tolerance': 0.1, 'linear_iterations': 2000";
+static const char cut_short[] = "'tolerance': 0.01, 'linear_tolerance': 0, "
+                                "'linear_iterations': 10, 'outer_iterations': 1";
 
 pdyn_sim *water_load(pdyn_context *context, const struct water *water) {
-    char text[2048];
-    pdyn_sim *sim;
-    write_scene(water, text, sizeof text);
-    if (pdyn_load_text(context, text, "validation", NULL, 0, &sim) != PDYN_OK)
-        die("%s", pdyn_last_error(context));
-    return sim;
+    const double d = water->spacing, *tank = water->tank;
+    const int *n = water->cells;
+    return load_text(
+        context,
+        "{'duration': %.17g, 'frame_interval': %.17g, 'time_step': {'integrator': "
+        "'%s', '%s': %.17g}, "
+        "'solver': {%s}, 'bodies': [{'name': 'water', 'velocity': [%.17g, 0, 0], "
+        "'particles': {'radius': %.17g, 'rest_density': %d, 'fill': [{'box': "
+        "{'minimum': [0, 0, 0], 'maximum': [%.17g, %.17g, %.17g]}}]}, 'constraints': "
+        "[{'type': 'fluid', 'stiffness': %.17g, 'viscosity': %.17g}]}], 'solids': "
+        "[{'box': {'minimum': [0, 0, 0], 'maximum': [%.17g, %.17g, %.17g]}, 'open': "
+        "['+y']}]}",
+        water->duration, water->duration, water->integrator ? water->integrator : "euler",
+        water->adaptive ? "maximum" : "fixed", water->step, water->cut_short ? cut_short : solved,
+        water->speed, 0.5 * d, DENSITY, n[0] * d, n[1] * d, n[2] * d, stiffness(water),
+        water->viscosity, tank[0], tank[1], tank[2]);
 }
 
 static int ascending(const void *a, const void *b) {
@@ -73,8 +64,7 @@ double fit_slope(const struct fit *fit) {
 
 int main(int argc, char **argv) {
     const char *command = argc > 3 ? argv[1] : "";
-    pdyn_context *context;
-    if (pdyn_create(NULL, &context) != PDYN_OK) die("no context");
+    pdyn_context *context = make_context(0);
     if (!strcmp(command, "martin_moyce")) martin_moyce(context, argv[2], argc - 3, argv + 3);
     else if (!strcmp(command, "tank") && argc > 4)
         tank(context, argv[2], atof(argv[3]), argc - 4, argv + 4);

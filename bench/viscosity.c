@@ -343,10 +343,7 @@ static void cost(pdyn_context *context, const char *file, double seconds) {
 
 int main(int argc, char **argv) {
     const char *command = argc > 2 ? argv[1] : "";
-    pdyn_options options = pdyn_default_options();
-    pdyn_context *context;
-    options.threads = 1;
-    if (pdyn_create(&options, &context) != PDYN_OK) die("no context");
+    pdyn_context *context = make_context(1);
     if (!strcmp(command, "torsion")) torsion(context, argc - 2, argv + 2);
     else if (!strcmp(command, "couette")) couette(context, argc - 2, argv + 2);
     else if (!strcmp(command, "duct")) duct(context, argc - 2, argv + 2);
