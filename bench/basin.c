@@ -2,8 +2,6 @@
  * the pinned points, has to equal the weight of both, and the water's surface has to be level. */
 #include "coupling.h"
 
-#include "projdyn/vec3.h"
-
 #include <math.h>
 #include <stdlib.h>
 

@@ -3,8 +3,6 @@
  * with k times its weight per area. */
 #include "interface.h"
 
-#include "projdyn/vec3.h"
-
 #include <math.h>
 
 enum { BESIDE = 6, DEPTH = 12, FALL = 5, ROWS = 8 }; /* spacings; rows of the table */

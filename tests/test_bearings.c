@@ -2,7 +2,6 @@
  * dashpots are the gradient of one energy and hold nothing together. */
 #include "support.h"
 
-#include "projdyn/probe.h"
 #include "projdyn/vec3.h"
 
 #include <string.h>

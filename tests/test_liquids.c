@@ -4,7 +4,6 @@
 
 #include "step/live_particles.h"
 
-#include "projdyn/control.h"
 #include "projdyn/probe.h"
 #include "projdyn/vec3.h"
 

@@ -1,8 +1,6 @@
 /* Saved states: resuming gives the same bits; a state of another scene is refused. */
 #include "support.h"
 
-#include "output/snapshot.h"
-
 #include "projdyn/control.h"
 
 #include <string.h>

@@ -1,8 +1,6 @@
 /* What the solvers promise beyond conformance. */
 #include "support.h"
 
-#include "scene/choices.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

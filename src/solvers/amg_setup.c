@@ -3,7 +3,6 @@
 #include "memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* A coupling is strong from this part of the largest one in its row (Ruge and Stueben: 0.25). */
 static const float strong_coupling = 0.25F;

@@ -1,5 +1,4 @@
 /* Reading a scene: its parts, references between bodies, derived parameters; freeing it. */
-#include "base/registry.h"
 #include "base/text.h"
 #include "contact_stiffness.h"
 #include "derived.h"

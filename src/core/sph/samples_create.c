@@ -4,7 +4,6 @@
 #include "surface_samples.h"
 
 #include "projdyn/kernel.h"
-#include "projdyn/vec3.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,6 @@
 #include "surface_samples.h"
 
 #include "projdyn/simd.h"
-#include "projdyn/vec3.h"
 
 #include <math.h>
 #include <string.h>
