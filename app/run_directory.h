@@ -4,7 +4,6 @@
 #define RUN_DIRECTORY_H
 
 #include "app.h"
-#include "projdyn/box.h"
 #include "vtk_frame.h"
 
 #include <jansson.h>

@@ -35,18 +35,13 @@ static struct size size_of(const pdyn_state *state, const pdyn_body_info *body, 
     return size;
 }
 
-static double edge_length(const pdyn_state *state, const pdyn_body_info *body, int from, int to) {
-    const double *a = state->x + 3 * (body->first + from), *b = state->x + 3 * (body->first + to);
-    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
-                (a[2] - b[2]) * (a[2] - b[2]));
-}
-
 /* Mean edge length of a surface, m. */
 static double mean_edge(const pdyn_state *state, const pdyn_body_info *body) {
+    const double *x = state->x + 3 * body->first;
     double sum = 0.0;
     for (int k = 0; k < 3 * body->triangles; k++) {
         int next = k % 3 == 2 ? k - 2 : k + 1;
-        sum += edge_length(state, body, body->triangle[k], body->triangle[next]);
+        sum += vec3_distance(x + 3 * body->triangle[k], x + 3 * body->triangle[next]);
     }
     return sum / (3.0 * body->triangles);
 }
@@ -147,12 +142,11 @@ static void print_constraint(const pdyn_sim *sim, int k) {
 
 /* Name and bounds of a solid. Returns an exit code. */
 static int print_solid(const pdyn_sim *sim, int k) {
-    struct box box = box_empty;
     int count = pdyn_solid_vertices(sim, k, NULL);
     double *x = calloc(3 * (size_t)count + 1, sizeof *x);
     if (!x) return report_no_memory();
     pdyn_solid_vertices(sim, k, x);
-    for (int i = 0; i < count; i++) box_add(&box, x + 3 * (size_t)i);
+    struct box box = box_around(x, count);
     free(x);
     printf("solid %s: ", pdyn_solid_name(sim, k)), print_box(&box), putchar('\n');
     return EXIT_GOOD;

@@ -1,5 +1,7 @@
 /* Measurements of `projdyn compare`: the same steps with several solvers in alternation. */
 #include "solver_benchmark.h"
+#include "projdyn/box.h"
+#include "projdyn/vec3.h"
 
 #include <malloc.h>
 #include <math.h>
@@ -17,17 +19,6 @@ static double clock_ms(const struct solver_benchmark *benchmark) {
 static double allocated_bytes(void) {
     struct mallinfo2 info = mallinfo2();
     return (double)info.uordblks + (double)info.hblkhd;
-}
-
-/* Diagonal of the bounding box of all particles, m. */
-static double box_diagonal(const pdyn_state *state) {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (int k = 0; k < 3 * state->particles; k++) {
-        low[k % 3] = fmin(low[k % 3], state->x[k]);
-        high[k % 3] = fmax(high[k % 3], state->x[k]);
-    }
-    return sqrt(pow(high[0] - low[0], 2.0) + pow(high[1] - low[1], 2.0) +
-                pow(high[2] - low[2], 2.0));
 }
 
 /* Stores final positions, memory, solver and integrator. All rounds give the same positions, so the
@@ -58,7 +49,8 @@ static int run_steps(const struct solver_benchmark *benchmark, struct solver_tim
                      pdyn_context *context, pdyn_sim *sim) {
     timing->residual = 0.0;
     pdyn_state state = pdyn_get_state(sim);
-    timing->size = box_diagonal(&state);
+    struct box box = box_around(state.x, state.particles);
+    timing->size = vec3_distance(box.min, box.max);
     for (int k = 0; k < benchmark->steps; k++) {
         pdyn_step_info info;
         struct step_cost *step = &timing->step[k];

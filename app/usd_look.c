@@ -93,8 +93,7 @@ static int is_tank(const struct run *run, const struct part *part, bool *out) {
     if (strcmp(part->shape, "box") != 0) return EXIT_GOOD;
     int code = part_read_frame(run, part, 0, path, &frame);
     if (code != EXIT_GOOD) return code;
-    for (const float *x = frame.x; x < frame.x + 3 * frame.count; x += 3)
-        box_add(&box, (const double[3]){x[0], x[1], x[2]});
+    vtk_frame_extend_box(&box, &frame);
     *out = frame.triangles < 12;
     vtk_frame_free(&frame);
     for (int p = 0; p < run->parts && code == EXIT_GOOD && !*out; p++)

@@ -311,6 +311,11 @@ int vtk_frame_read_skin(const char *path, struct vtk_frame *frame) {
     return read_frame(path, read_binding, frame);
 }
 
+void vtk_frame_extend_box(struct box *box, const struct vtk_frame *frame) {
+    for (const float *x = frame->x; x < frame->x + 3 * (size_t)frame->count; x += 3)
+        box_add(box, (const double[3]){x[0], x[1], x[2]});
+}
+
 void vtk_frame_free(struct vtk_frame *frame) {
     free(frame->x);
     free(frame->velocity);

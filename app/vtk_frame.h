@@ -3,8 +3,7 @@
 #ifndef VTK_FRAME_H
 #define VTK_FRAME_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "projdyn/box.h"
 
 /* Points of one body at one time. Owns its arrays. */
 struct vtk_frame {
@@ -28,6 +27,9 @@ int vtk_frame_read(const char *path, struct vtk_frame *frame);
 int vtk_frame_read_geometry(const char *path, struct vtk_frame *frame);
 /* Reads the skin of a body, NAME.skin.vtk: x, triangle, vertex and weight. Returns as these. */
 int vtk_frame_read_skin(const char *path, struct vtk_frame *frame);
+
+/* Extends a box to contain all points. */
+void vtk_frame_extend_box(struct box *box, const struct vtk_frame *frame);
 
 void vtk_frame_free(struct vtk_frame *frame);
 

@@ -14,6 +14,7 @@
 
 #include "vtk_frame.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* The level whose surface lies half a spacing above the top layer of a half space of particles on a

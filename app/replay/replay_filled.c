@@ -8,6 +8,7 @@
 #include "replay_filled.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
 

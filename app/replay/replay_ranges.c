@@ -9,11 +9,6 @@
 
 enum { RADIUS_SAMPLES = 64 }; /* particles, see estimate_radius() */
 
-void replay_extend_box(struct box *box, const struct vtk_frame *frame) {
-    for (const float *x = frame->x; x < frame->x + 3 * (size_t)frame->count; x += 3)
-        box_add(box, (const double[3]){x[0], x[1], x[2]});
-}
-
 static double speed(const struct vtk_frame *frame, int i) {
     const float *v = frame->velocity + 3 * i;
     return sqrt((double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2]);
@@ -104,7 +99,7 @@ static int add_frame(const struct run *run, struct part *part, struct vtk_frame 
     if (frame->count > part->count) part->count = frame->count;
     if (frame->density && frame->count && !(part->radius > 0.0))
         part->radius = estimate_radius(frame);
-    replay_extend_box(&part->box, frame);
+    vtk_frame_extend_box(&part->box, frame);
     for (int c = 0; c < part->channels; c++)
         for (int i = 0; i < frame->count; i++)
             part->most[c] = fmax(part->most[c], replay_value(part, frame, (enum channel)c, i));

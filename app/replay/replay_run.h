@@ -13,8 +13,6 @@ int replay_read_metrics(struct run *run);
 
 /* Checks that a frame has the mesh of the first frame. */
 int replay_check_frame(const struct part *part, const struct vtk_frame *frame, const char *path);
-/* Extends a box to include all points of a frame. */
-void replay_extend_box(struct box *box, const struct vtk_frame *frame);
 /* Value of a channel at point i, at least 0; a density error, max(0, density / rest density - 1),
  * is at most 1e9; FILLED: its largest value, 1. */
 double replay_value(const struct part *part, const struct vtk_frame *frame, enum channel channel,

@@ -2,6 +2,7 @@
 #include "run_metrics.h"
 #include "app.h"
 #include "metrics_csv.h"
+#include "projdyn/vec3.h"
 #include "vtk_frame.h"
 
 #include <jansson.h>
@@ -24,14 +25,9 @@ static int fail(const char *directory, const char *what) {
 
 /* Diagonal of the bounding box, m; 0 for an empty frame. */
 static double box_diagonal(const struct vtk_frame *frame) {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    double sum = 0.0;
-    for (int k = 0; k < 3 * frame->count; k++) {
-        low[k % 3] = fmin(low[k % 3], (double)frame->x[k]);
-        high[k % 3] = fmax(high[k % 3], (double)frame->x[k]);
-    }
-    for (int a = 0; a < 3; a++) sum += (high[a] - low[a]) * (high[a] - low[a]);
-    return frame->count ? sqrt(sum) : 0.0;
+    struct box box = box_empty;
+    vtk_frame_extend_box(&box, frame);
+    return frame->count ? vec3_distance(box.min, box.max) : 0.0;
 }
 
 static int compare_floats(const void *a, const void *b) {

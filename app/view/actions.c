@@ -82,8 +82,7 @@ static int find_body(const pdyn_sim *sim, int particle) {
 
 /* Diagonal of the box around a body at rest, m. */
 static double size_of(const pdyn_body_info *body) {
-    struct box box = box_empty;
-    for (int i = 0; i < body->count; i++) box_add(&box, body->rest + 3 * i);
+    struct box box = box_around(body->rest, body->count);
     return vec3_distance(box.min, box.max);
 }
 

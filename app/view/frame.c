@@ -122,7 +122,7 @@ static bool code_part(const struct part *part, const struct vtk_frame *frame, js
     struct box box = box_empty;
     double most[CHANNELS];
     double *filled = part->fluid ? replay_find_filled(frame, part->radius) : NULL;
-    replay_extend_box(&box, frame);
+    vtk_frame_extend_box(&box, frame);
     if (!frame->count) box = (struct box){0};
     bool good = (filled || !part->fluid) && code_points(frame, &box, out);
     for (int c = 0; c < part->channels && good; c++)

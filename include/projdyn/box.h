@@ -3,6 +3,7 @@
 #define PROJDYN_BOX_H
 
 #include <math.h>
+#include <stddef.h>
 
 struct box {
     double min[3], max[3];
@@ -25,6 +26,13 @@ static inline void box_add(struct box *box, const double x[3]) {
         if (x[a] < box->min[a]) box->min[a] = x[a];
         if (x[a] > box->max[a]) box->max[a] = x[a];
     }
+}
+
+/* The box around `count` points; empty where there are none. */
+static inline struct box box_around(const double *x, int count) {
+    struct box box = box_empty;
+    for (int i = 0; i < count; i++) box_add(&box, x + 3 * (size_t)i);
+    return box;
 }
 
 /* Whether x is inside, or on a face: 0 or 1. */

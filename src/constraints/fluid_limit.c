@@ -28,8 +28,8 @@ static const double distance_fraction = 0.45;
 /* Lower bound of the limit in particle spacings: a particle that touches a surface can move. */
 static const double min_limit = 0.02;
 
-/* Bounding box of those of `count` particles from `first` on that have a volume. */
-static struct box box_around(const struct fluid *f, const double *x, int first, int count) {
+/* The box around those of `count` particles from `first` on that have a volume. */
+static struct box box_of_volumes(const struct fluid *f, const double *x, int first, int count) {
     struct box box = box_empty;
     for (int i = first; i < first + count; i++)
         if (f->lists->volume[i] > 0.0) box_add(&box, x + 3 * (size_t)i);
@@ -101,8 +101,8 @@ void fluid_limit(void *self, const double *x, double *max_step) {
                               .x = x,
                               .max_step = max_step,
                               .spacing = f->spacing,
-                              .fluid = box_around(f, x, f->first, samples ? f->count : 0),
-                              .samples = box_around(f, x, l->particles - samples, samples)};
+                              .fluid = box_of_volumes(f, x, f->first, samples ? f->count : 0),
+                              .samples = box_of_volumes(f, x, l->particles - samples, samples)};
     f->services->parallel_for(f->services->core, f->count, FLUID_GRAIN, limit_block, &call);
     f->services->parallel_for(f->services->core, samples, FLUID_GRAIN, limit_samples, &call);
 }

@@ -1,9 +1,8 @@
-/* Points: a growing array, and the box around some. */
+/* A growing array of points. */
 #ifndef PDYN_POINT_LIST_H
 #define PDYN_POINT_LIST_H
 
 #include "base/context.h"
-#include "projdyn/box.h"
 
 enum { POINT_LIST_MAX = INT32_MAX / 4 };
 
@@ -18,13 +17,6 @@ pdyn_status point_list_add(pdyn_context *context, struct point_list *points, con
 pdyn_status point_list_append(pdyn_context *context, struct point_list *points, const double *x,
                               int count);
 void point_list_free(pdyn_context *context, struct point_list *points);
-
-/* The bounding box of `count` points, m; empty where there are none. */
-static inline struct box box_around(const double *x, int count) {
-    struct box box = box_empty;
-    for (int i = 0; i < count; i++) box_add(&box, x + 3 * (size_t)i);
-    return box;
-}
 
 /* Sets the error text for a list that would exceed POINT_LIST_MAX; returns PDYN_BAD_INPUT. */
 pdyn_status point_list_too_many(void);

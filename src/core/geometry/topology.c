@@ -1,7 +1,7 @@
 /* Topology of triangle meshes: edges and neighbours, the border, vertices at the same place. */
 #include "mesh_sides.h"
-#include "point_list.h"
 
+#include "projdyn/box.h"
 #include "projdyn/vec3.h"
 
 #include <stdlib.h>
