@@ -81,25 +81,13 @@ static int measure_scene_time(const struct study *s, int k, double limit_s,
 
 /* ---- warnings -------------------------------------------------------------------------------- */
 
-/* The scene with the user's overrides and those of a setting; false with a message if memory ran
- * out. The caller calls scene_options_free() in any case. */
-static bool make_scene(const struct study *s, const struct setting *setting,
-                       struct scene_options *scene) {
-    const struct scene_options *user = s->scope.user;
-    bool good = true;
-    *scene = (struct scene_options){.scene = user->scene, .threads = 1, .silent = true};
-    for (int k = 0; k < user->plugins; k++) good &= scene_plugin(scene, user->plugin[k]);
-    for (int k = 0; k < user->sets; k++) good &= scene_set(scene, user->set[k]);
-    for (int k = 0; k < setting->sets; k++) good &= scene_set(scene, setting->set[k]);
-    return good;
-}
-
 /* Loads the scene with a setting. The caller frees *sim and *context in any case. */
 static int load_scene(const struct study *s, const struct setting *setting, pdyn_context **context,
                       pdyn_sim **sim) {
     struct scene_options scene;
     *context = NULL, *sim = NULL;
-    int code = make_scene(s, setting, &scene) ? scene_load(&scene, context, sim) : EXIT_FAILED;
+    int code = setting_scene(setting, s->scope.user, &scene) ? scene_load(&scene, context, sim)
+                                                             : EXIT_FAILED;
     scene_options_free(&scene);
     return code;
 }
@@ -190,7 +178,8 @@ static int choose(const struct study *s, const struct target *target, struct sce
 static int write_scene(const struct study *s, const struct setting *setting, const char *path) {
     struct scene_options scene;
     json_t *root = NULL;
-    int code = make_scene(s, setting, &scene) ? scene_json(&scene, &root) : EXIT_FAILED;
+    int code =
+        setting_scene(setting, s->scope.user, &scene) ? scene_json(&scene, &root) : EXIT_FAILED;
     if (code == EXIT_GOOD && json_dump_file(root, path, JSON_INDENT(2) | JSON_REAL_PRECISION(15)))
         code = report_write_error(path);
     if (code == EXIT_GOOD) printf("Written to %s\n", path);

@@ -9,16 +9,12 @@
 /* Sets scope->runs and scope->replica for a coarsening factor; no replica for 1. */
 static int set_coarsening(struct scope *s, double coarsening) {
     json_t *scene = NULL;
-    bool good = true;
     int code = coarsening == 1.0 ? EXIT_GOOD : scene_json(s->user, &scene);
     setting_free(&s->replica);
     scene_options_free(&s->runs);
     s->coarsening = coarsening;
-    s->runs = (struct scene_options){.scene = s->user->scene, .threads = 1, .silent = true};
     if (scene) replica_make(scene, coarsening, &s->replica);
-    for (int k = 0; k < s->user->sets; k++) good &= scene_set(&s->runs, s->user->set[k]);
-    for (int k = 0; k < s->user->plugins; k++) good &= scene_plugin(&s->runs, s->user->plugin[k]);
-    for (int k = 0; k < s->replica.sets; k++) good &= scene_set(&s->runs, s->replica.set[k]);
+    bool good = setting_scene(&s->replica, s->user, &s->runs);
     json_decref(scene);
     return code != EXIT_GOOD || (good && !s->replica.failed) ? code : report_no_memory();
 }

@@ -1,4 +1,4 @@
-/* List of overrides under one name. */
+/* A list of overrides under one name, and the scene with them. */
 #include "setting.h"
 
 #include <stdarg.h>
@@ -13,6 +13,16 @@ void setting_add(struct setting *s, const char *format, ...) {
     if (!set || vasprintf(&text, format, args) < 0) s->failed = true;
     else set[s->sets++] = text;
     va_end(args);
+}
+
+bool setting_scene(const struct setting *s, const struct scene_options *user,
+                   struct scene_options *scene) {
+    bool good = true;
+    *scene = (struct scene_options){.scene = user->scene, .threads = 1, .silent = true};
+    for (int k = 0; k < user->plugins; k++) good &= scene_plugin(scene, user->plugin[k]);
+    for (int k = 0; k < user->sets; k++) good &= scene_set(scene, user->set[k]);
+    for (int k = 0; k < s->sets; k++) good &= scene_set(scene, s->set[k]);
+    return good;
 }
 
 void setting_free(struct setting *s) {
