@@ -57,7 +57,7 @@ expect_error 2 "expected the output of a run" replay "$folder/empty"
 expect_error 2 "cannot read the directory" replay "$folder/nowhere"
 expect_error 2 "expected the directory of a run, found a file" replay "$run/report.json"
 expect_error 2 "expected one directory" replay
-expect_error 1 "cannot create the file" replay "$run" -o "$folder/nowhere/replay.html"
+expect_error 1 "writing failed: No such file" replay "$run" -o "$folder/nowhere/replay.html"
 [ ! -e "$run/replay.html" ] && [ ! -e "$run/replay.html.tmp" ] || fail "a bad run left a page"
 expect_error 2 "expected one directory and -o FILE" render "$run"
 expect_error 2 "ends with .png, .mp4, .webm or .gif" render "$run" -o "$folder/film.avi"

@@ -3,7 +3,6 @@
 #include "new_file.h"
 #include "replay_planes.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,18 +42,13 @@ int replay_print_page(const struct run *run, FILE *file) {
     return code;
 }
 
-static int report_errno(const char *path, const char *what) {
-    run_error("%s: %s: %s", path, what, strerror(errno));
-    return EXIT_FAILED;
-}
-
 /* The page appears complete or not at all, see new_file.h. */
 int replay_write_page(const struct run *run, const char *path) {
     char *temporary;
     FILE *file = new_file_open(path, &temporary);
-    if (!file) return report_errno(path, "cannot create the file");
+    if (!file) return report_write_error(path);
     int code = replay_print_page(run, file);
     bool good = code == EXIT_GOOD && !ferror(file);
     if (new_file_close(file, temporary, path, good) || code != EXIT_GOOD) return code;
-    return report_errno(path, "writing failed");
+    return report_write_error(path);
 }
