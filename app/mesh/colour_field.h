@@ -1,8 +1,8 @@
 /* The colour field of a body of particles, whose level COLOUR_ISO is the surface of the fluid:
  *
  *     phi(x) = sum_j V_j W(x - x_j),    V_j = 1 / sum_k W(x_j - x_k),
- *     W(d)   = C (1 - |d|^2 / support^2)^5 for |d| < support = 2 spacings,    C = 9009 / (1024 pi
- * support^3).
+ *     W(d)   = C (1 - |d|^2 / support^2)^5 for |d| < support = 2 spacings,
+ *     C      = 9009 / (1024 pi support^3).
  *
  * V_j is the volume of a particle from the density sum (Mueller, Charypar, Gross 2003). It is one
  * spacing^3 inside of the fluid and larger at the surface, in sheets and in drops, so that these do

@@ -1,10 +1,10 @@
 /* How densely the particles of a fluid surround each of them. The density in the files counts walls
  * as well, beside which a lone particle looks like one in the middle of the fluid.
  *
- *     filled_i = sum over j of (1 - d_ij^2 / (4 r)^2)^3 / 5.16      r: particle radius; j = i
- * included
+ *     filled_i = sum over j of (1 - d_ij^2 / (4 r)^2)^3 / 5.16
  *
- * It is 1 in a cubic lattice of spacing 2 r and 0.19 for a lone particle. */
+ * j = i is in the sum; r is the particle radius. The value is 1 in a cubic lattice of spacing 2 r
+ * and 0.19 for a lone particle. */
 #include "replay_filled.h"
 
 #include <math.h>

@@ -130,8 +130,7 @@ static void step_both(struct check *check, const pdyn_constraint_type *type, con
     if (check->faults == faults) step(check, type, SMALL, solver, "projective");
 }
 
-/* ---- all types and solvers
- * ----------------------------------------------------------------------------- */
+/* ---- all types and solvers ------------------------------------------------------------------- */
 
 void check_solvers(struct check *check) {
     const pdyn_global_solver *s;

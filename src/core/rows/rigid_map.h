@@ -45,7 +45,7 @@ struct rigid_map {
     struct rigid_body *body; /* bodies */
     double *input;           /* particles x 3: an extended vector */
     double *effective_mass;  /* particles, kg: of a vertex, the mass that a force there accelerates,
-                                in  the mean over its directions; the mass of other particles */
+                                in the mean over its directions; the mass of other particles */
     int *owner;              /* particles: the body; -1: none */
 };
 
