@@ -6,7 +6,7 @@ import operator
 import threading
 import weakref
 from ctypes import byref, c_void_p, sizeof
-from typing import Any, Callable, NoReturn, Optional
+from typing import Any, Callable, Iterator, NoReturn, Optional
 
 from ._library import lib
 from ._paths import flag
@@ -33,6 +33,18 @@ def _free(free: Callable[[int], None], pointer: int, parent: Optional[Handle]) -
 def last_error() -> str:
     """The text of the last call of this thread that failed."""
     return lib.pdyn_last_error(None).decode()
+
+
+def listed(kind: Any, get: Callable[..., None], *place: Any) -> Iterator[Any]:
+    """The elements of a list of the library, one after the other in one structure of this kind.
+    After the last element, the first member of the structure is NULL."""
+    info, index = kind(), 0
+    while True:
+        get(*place, index, byref(info), sizeof(info))
+        if getattr(info, kind._fields_[0][0]) is None:
+            return
+        yield info
+        index += 1
 
 
 class Handle:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ._arrays import address, doubles, number, numbers, rows, view
 from ._fixed import Fixed
-from ._handles import Handle
+from ._handles import Handle, listed
 from ._library import lib
 from ._structs import BodyInfo
 from .errors import InputError
@@ -151,11 +151,9 @@ class Body(Fixed):
     # ---- parts ----------------------------------------------------------------------------------
 
     def _hint(self, name: str) -> str:
-        rigid, index = [], 0
-        while (info := body_info(self._handle, index)).name:
-            if has_pose(self._handle, index, len(self._all["mass"])):
-                rigid.append(info.name.decode())
-            index += 1
+        bodies = listed(BodyInfo, lib.pdyn_get_body_sized, self._handle.pointer)
+        rigid = [info.name.decode() for index, info in enumerate(bodies)
+                 if has_pose(self._handle, index, len(self._all["mass"]))]
         return f"{self._instead[name]}; rigid bodies have {name}: {', '.join(rigid) or 'none here'}"
 
     def _info(self) -> BodyInfo:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ._arrays import address, numbers, view
 from ._fixed import Fixed
-from ._handles import Handle
+from ._handles import Handle, listed
 from ._library import lib
 from ._paths import flag, text
 from ._structs import ConstraintInfo, ParameterInfo, VectorInfo
@@ -47,16 +47,11 @@ class Constraint(Fixed):
     @property
     def parameters(self) -> dict[str, Parameter]:
         """The numbers that the simulation uses, by their names."""
-        found: dict[str, Parameter] = {}
-        info = ParameterInfo()
         with self._handle.lock:  # a step of another thread may move the list of constraints
-            while True:
-                lib.pdyn_get_parameter_sized(self._handle.pointer, self._index, len(found), byref(info),
-                                             sizeof(info))
-                if info.name is None:
-                    return found
-                found[info.name.decode()] = Parameter(info.value, info.unit.decode(), info.minimum,
-                                                      info.maximum, info.changeable, info.doc.decode())
+            return {info.name.decode(): Parameter(info.value, info.unit.decode(), info.minimum,
+                                                  info.maximum, info.changeable, info.doc.decode())
+                    for info in listed(ParameterInfo, lib.pdyn_get_parameter_sized,
+                                       self._handle.pointer, self._index)}
 
     def __getitem__(self, name: str) -> Any:
         """A parameter: a number; an array of three for a vector; n x 4 for the keys of a path; the
@@ -118,16 +113,11 @@ class Constraint(Fixed):
 
     def _vectors(self) -> dict[str, np.ndarray]:
         """Copies of the vectors, paths and tables, by their names."""
-        found: dict[str, np.ndarray] = {}
-        info = VectorInfo()
         with self._handle.lock:  # the memory of a value ends when another thread sets it
-            while True:
-                lib.pdyn_get_vector_sized(self._handle.pointer, self._index, len(found), byref(info),
-                                          sizeof(info))
-                if info.name is None:
-                    return found
-                values = np.array(view(info.value, (info.count,), self._handle))
-                found[info.name.decode()] = _rows(values, info.width)
+            return {info.name.decode(): _rows(np.array(view(info.value, (info.count,), self._handle)),
+                                              info.width)
+                    for info in listed(VectorInfo, lib.pdyn_get_vector_sized, self._handle.pointer,
+                                       self._index)}
 
     # ---- parts ----------------------------------------------------------------------------------
 

@@ -1,13 +1,11 @@
 """Probes of a scene: named numbers at the end of every step."""
 from __future__ import annotations
 
-from ctypes import byref, sizeof
-
 import numpy as np
 
 from ._arrays import view
 from ._fixed import Fixed
-from ._handles import Handle
+from ._handles import Handle, listed
 from ._library import lib
 from ._names import Names
 from ._structs import ProbeInfo
@@ -41,10 +39,5 @@ class Probe(Fixed):
 
 def probes_of(handle: Handle) -> dict[str, Probe]:
     """The probes of a simulation by their names."""
-    found: dict[str, Probe] = Names()
-    info = ProbeInfo()
-    while True:
-        lib.pdyn_get_probe_sized(handle.pointer, len(found), byref(info), sizeof(info))
-        if info.name is None:
-            return found
-        found[info.name.decode()] = Probe(handle, info)
+    return Names({info.name.decode(): Probe(handle, info)
+                  for info in listed(ProbeInfo, lib.pdyn_get_probe_sized, handle.pointer)})

@@ -173,8 +173,9 @@ class Scene:
 
         vertices: n x 3, m, and triangles: m x 3, indices from 0, counter-clockwise as seen from
         outside; or box: (minimum, maximum), m; or sphere, capsule as in a scene file; or mesh, the
-        path of a file; cell, m, as in a scene file. Either density, kg/m^3, or mass, kg. velocity: m/s, and angular_velocity:
-        rad/s, at the start. center_of_mass: m, of a body with ballast. Otherwise as add_cloth.
+        path of a file; cell, m, as in a scene file. Either density, kg/m^3, or mass, kg.
+        velocity: m/s, and angular_velocity: rad/s, at the start. center_of_mass: m, of a body with
+        ballast. Otherwise as add_cloth.
         """
         name = self._name(name, "bodies", "body")
         arrays, mesh = _shape(_mesh, name, vertices, triangles, mesh)

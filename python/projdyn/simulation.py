@@ -11,7 +11,7 @@ import numpy as np
 
 from ._arrays import address, doubles, number, view
 from ._fixed import Fixed
-from ._handles import Handle
+from ._handles import Handle, listed
 from ._library import lib
 from ._names import Names
 from ._paths import Path, path as path_of
@@ -187,15 +187,11 @@ class Simulation(Fixed):
     @property
     def warnings(self) -> list[Warning]:
         """The warnings so far, those about the scene first."""
-        found: list[Warning] = []
-        info = WarningInfo()
         with self._handle.lock:  # a step changes the texts
-            while True:
-                lib.pdyn_get_warning_sized(self._handle.pointer, len(found), byref(info), sizeof(info))
-                if info.code is None:
-                    return found
-                found.append(Warning(info.code.decode(), info.subject.decode(), info.text.decode(),
-                                     info.count, info.first, info.last))
+            return [Warning(info.code.decode(), info.subject.decode(), info.text.decode(),
+                            info.count, info.first, info.last)
+                    for info in listed(WarningInfo, lib.pdyn_get_warning_sized,
+                                       self._handle.pointer)]
 
     @property
     def probes(self) -> dict[str, Probe]:
