@@ -52,6 +52,11 @@ pdyn_sim *test_load(pdyn_context *context, const char *text) {
     return sim;
 }
 
+void assert_error(const pdyn_context *context, const char *expected) {
+    const char *found = pdyn_last_error(context);
+    if (!strstr(found, expected)) fail_msg("expected \"%s\" in \"%s\"", expected, found);
+}
+
 bool test_lacks_solver(const char *text) {
     return strstr(text, "cholesky") && !strstr(pdyn_solvers(), "cholesky");
 }

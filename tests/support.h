@@ -30,6 +30,8 @@ struct warnings {
 pdyn_context *test_warned_context(int threads, struct warnings *warnings);
 /* Loads a scene from text with ' for ". */
 pdyn_sim *test_load(pdyn_context *context, const char *text);
+/* Asserts that the text of the last error contains this one. */
+void assert_error(const pdyn_context *context, const char *expected);
 /* Whether a text names a solver that the build leaves out: cholesky, without CHOLMOD. */
 bool test_lacks_solver(const char *text);
 pdyn_step_info test_step(pdyn_context *context, pdyn_sim *sim);

@@ -31,7 +31,7 @@ static void test_auto(void **state) {
 
 static void ignore(void *user, const char *text) { (void)user, (void)text; }
 
-static void assert_error(pdyn_context *context, pdyn_status status, const char *message) {
+static void assert_refused(pdyn_context *context, pdyn_status status, const char *message) {
     assert_int_equal(status, PDYN_BAD_INPUT);
     assert_string_equal(pdyn_last_error(context), message);
 }
@@ -41,12 +41,13 @@ static void test_left_out(void **state) {
     if (!test_lacks_solver("cholesky")) skip();
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = NULL;
-    assert_error(context, pdyn_load_text(context, quoted(SHEET("cholesky")), "test", NULL, 0, &sim),
-                 "test:1:36: solver.type: this build has no solver \"cholesky\" (built without "
-                 "CHOLMOD)");
+    assert_refused(context,
+                   pdyn_load_text(context, quoted(SHEET("cholesky")), "test", NULL, 0, &sim),
+                   "test:1:36: solver.type: this build has no solver \"cholesky\" (built without "
+                   "CHOLMOD)");
     assert_null(sim);
-    assert_error(context, pdyn_describe(context, "cholesky", ignore, NULL),
-                 "this build has no solver \"cholesky\" (built without CHOLMOD)");
+    assert_refused(context, pdyn_describe(context, "cholesky", ignore, NULL),
+                   "this build has no solver \"cholesky\" (built without CHOLMOD)");
     pdyn_destroy(context);
 }
 

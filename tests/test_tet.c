@@ -322,8 +322,7 @@ static void refuse(const char *path, const char *expected) {
     pdyn_status status = tets_read(context, path, &mesh, &tets);
     if (status == PDYN_OK) status = tets_finish(context, path, &mesh, &tets);
     assert_int_not_equal(status, PDYN_OK);
-    if (!strstr(pdyn_last_error(context), expected))
-        fail_msg("expected \"%s\" in \"%s\"", expected, pdyn_last_error(context));
+    assert_error(context, expected);
     tets_free(context, &tets), mesh_free(context, &mesh);
     assert_int_equal(pdyn_bytes_in_use(context), 0);
     assert_true(pdyn_peak_bytes(context) < 100000);
