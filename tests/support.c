@@ -46,8 +46,13 @@ const char *quoted(const char *text) {
 }
 
 pdyn_sim *test_load(pdyn_context *context, const char *text) {
+    return test_load_with(context, text, NULL, 0);
+}
+
+pdyn_sim *test_load_with(pdyn_context *context, const char *text, const char *const *set,
+                         int sets) {
     pdyn_sim *sim = NULL;
-    pdyn_status status = pdyn_load_text(context, quoted(text), "test", NULL, 0, &sim);
+    pdyn_status status = pdyn_load_text(context, quoted(text), "test", set, sets, &sim);
     if (status != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
     return sim;
 }

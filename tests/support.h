@@ -30,6 +30,8 @@ struct warnings {
 pdyn_context *test_warned_context(int threads, struct warnings *warnings);
 /* Loads a scene from text with ' for ". */
 pdyn_sim *test_load(pdyn_context *context, const char *text);
+/* The same with overrides PATH=VALUE. */
+pdyn_sim *test_load_with(pdyn_context *context, const char *text, const char *const *set, int sets);
 /* Asserts that the text of the last error contains this one. */
 void assert_error(const pdyn_context *context, const char *expected);
 /* Whether a text names a solver that the build leaves out: cholesky, without CHOLMOD. */

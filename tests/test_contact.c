@@ -85,8 +85,7 @@ static struct trial start(const char *solver) {
     struct trial t = {.context = test_context(1)};
     uint64_t seed = 3;
     const char *set[] = {solver, "solver.linear_tolerance=1e-12", "solver.tolerance=1e-6"};
-    assert_int_equal(
-        pdyn_load_text(t.context, scene("", DOWN, bodies, BALL), "test", set, 3, &t.sim), PDYN_OK);
+    t.sim = test_load_with(t.context, scene("", DOWN, bodies, BALL), set, 3);
     assert_int_equal(contact_begin(t.sim->objective.contact, t.sim->x, 1.0), PDYN_OK);
     for (int e = 0; e < t.sim->objective.contact->start.view.count; e++)
         t.sim->objective.contact->start.contact[e].force = 0.01; /* no step has set them */
@@ -210,10 +209,7 @@ static void test_steps(void **state) {
     for (int k = 0; k < 2; k++) {
         const char *set[] = {solvers[k], "solver.tolerance=1e-7", "solver.linear_tolerance=1e-9"};
         pdyn_context *c = test_context(1);
-        pdyn_sim *sim = NULL;
-        assert_int_equal(
-            pdyn_load_text(c, scene("", DOWN, CLOTH_AT(5, 0.156), BALL), "test", set, 3, &sim),
-            PDYN_OK);
+        pdyn_sim *sim = test_load_with(c, scene("", DOWN, CLOTH_AT(5, 0.156), BALL), set, 3);
         for (int s = 0; s < 10; s++) assert_true(test_step(c, sim).step_residual <= 1e-7);
         assert_true(sim->objective.contact->current.view.count > 0);
         memcpy(x[k], sim->x, sizeof x[k]);
@@ -237,11 +233,8 @@ static void test_long_steps(void **state) {
     const char *set[] = {"time_step={\"fixed\": 0.2, \"integrator\": \"euler\"}",
                          "frame_interval=0.2", "solver.tolerance=0.1"};
     pdyn_context *c = test_context(1);
-    pdyn_sim *sim = NULL;
+    pdyn_sim *sim = test_load_with(c, scene("", DOWN, CLOTH_AT(13, 0.18), BALL ", " FLOOR), set, 3);
     pdyn_step_info info = {0};
-    assert_int_equal(pdyn_load_text(c, scene("", DOWN, CLOTH_AT(13, 0.18), BALL ", " FLOOR), "test",
-                                    set, 3, &sim),
-                     PDYN_OK);
     for (int k = 0; k < 8; k++) info = test_step(c, sim), assert_apart(sim);
     assert_true(info.step_residual <= 0.1);
     assert_true(sim->x[1] < -0.07); /* a corner */

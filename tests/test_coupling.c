@@ -77,12 +77,11 @@ static void test_solvers(void **state) {
     if (test_lacks_solver("cholesky")) skip();
     for (int k = 0; k < 2; k++) {
         pdyn_context *context = test_context(1);
-        pdyn_sim *sim = NULL;
         const char *const set[] = {k ? "solver.type=cholesky" : "solver.type=cg",
                                    "solver.tolerance=1e-8", "solver.outer_iterations=40",
                                    "solver.linear_tolerance=1e-4",
                                    "bodies.water.particles.radius=0.0125"};
-        assert_int_equal(pdyn_load_text(context, quoted(drop), "drop", set, 5, &sim), PDYN_OK);
+        pdyn_sim *sim = test_load_with(context, drop, set, 5);
         for (int step = 0; step < 6; step++) test_step(context, sim);
         memcpy(x[k], sim->x + 3 * (sim->body[1].first + 14), sizeof x[k]);
         pdyn_free(sim);
@@ -149,11 +148,10 @@ static void test_fast_sheet(void **state) {
 /* Linear momentum is conserved for any number of iterations. */
 static void keeps_momentum(const char *outer, const char *linear) {
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = NULL;
     const char *const set[] = {outer, linear, "duration=100"};
     pdyn_step_info info;
     double begin[3] = {0}, size = 0.0;
-    assert_int_equal(pdyn_load_text(context, quoted(drop), "drop", set, 3, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load_with(context, drop, set, 3);
     for (int i = 0; i < sim->objective.particles; i++) {
         vec3_add(begin, sim->objective.mass[i], sim->v + 3 * i);
         size += sim->objective.mass[i] * vec3_length(sim->v + 3 * i);
@@ -243,9 +241,8 @@ static int densities(const char *text, int vertices, const char *solids, double 
     char grid[64];
     const char *const set[] = {grid, solids};
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = NULL;
     snprintf(grid, sizeof grid, "bodies.sheet.surface.grid.vertices=[%d, %d]", vertices, vertices);
-    assert_int_equal(pdyn_load_text(context, quoted(text), "layers", set, 2, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load_with(context, text, set, 2);
     int n = sim->body[0].count;
     for (int i = n; i < sim->objective.particles; i++)
         sim->x[3 * i + 1] = 0.002 * sin(60.0 * sim->x[3 * i] + 40.0 * sim->x[3 * i + 2]);
@@ -305,13 +302,12 @@ struct seen { /* pairs of particles that see each other through a sheet of 0.1 x
 static struct seen see_through_sheet(const char *change) {
     struct seen seen = {0};
     pdyn_context *context = test_context(3);
-    pdyn_sim *sim = NULL;
     static const char text[] =
         SCENE("'duration': 1, 'gravity': [0, 0, 0]",
               PAIR(PAIR(LAYERED_WATER(ABOVE ", " BELOW), PINNED_SHEET("'sheet'", "0.1", "0")),
                    PINNED_SHEET("'other'", "0.1", "5")),
               "");
-    assert_int_equal(pdyn_load_text(context, quoted(text), "layers", &change, 1, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load_with(context, text, &change, 1);
     const pdyn_neighbours *l = neighbours_view(sim->objective.neighbours);
     int n = sim->body[0].count;
     for (int i = 0; i < n; i++)

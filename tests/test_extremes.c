@@ -315,9 +315,8 @@ static void test_unsolved_steps_keep_the_motion(void **state) {
                            ", 'area_density': 0.2}, 'constraints': [{'type': 'spring', "
                            "'stretching_stiffness': 1000}]}]}";
     const char *set[] = {K "1e9", "time_step.integrator=euler"};
-    pdyn_sim *sim = NULL;
     pdyn_step_info info = {0};
-    assert_int_equal(pdyn_load_text(context, quoted(scene), "beside", set, 2, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load_with(context, scene, set, 2);
     for (int k = 0; k < 40; k++) info = test_step(context, sim);
     pdyn_free(sim);
     double fall = 0.5 * 0.2 * pow(9.81 * info.time, 2.0);
@@ -329,9 +328,8 @@ static void test_unsolved_steps_keep_the_motion(void **state) {
 /* Kinetic energy, J, of the water on the sheet after 0.5 s, with so many iterations a step. */
 static double bounce(const char *iterations) {
     const char *set[] = {"time_step={\"fixed\": 0.005}", iterations};
-    pdyn_sim *sim = NULL;
     pdyn_step_info info = {0};
-    assert_int_equal(pdyn_load_text(context, quoted(BOTH_OF), "bounce", set, 2, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load_with(context, BOTH_OF, set, 2);
     for (int k = 0; k < 100; k++) info = test_step(context, sim);
     pdyn_free(sim);
     return info.kinetic_energy;
@@ -348,8 +346,7 @@ static void test_few_iterations_do_not_stop_water(void **state) {
 static void warns(const char *scene, const char *set, const char *text) {
     struct warnings warnings = {.text = text};
     pdyn_context *warned = test_warned_context(1, &warnings);
-    pdyn_sim *sim = NULL;
-    assert_int_equal(pdyn_load_text(warned, quoted(scene), "scene", &set, 1, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load_with(warned, scene, &set, 1);
     for (int k = 0; k < 3; k++) test_step(warned, sim);
     assert_int_equal(warnings.count, 1);
     pdyn_free(sim);

@@ -138,12 +138,9 @@ static void test_friction_solvers_long(void **state) {
     for (int k = 0; k < 4; k++) {
         if (test_lacks_solver(solver[k])) continue;
         pdyn_context *context = test_context(1);
-        pdyn_sim *sim = NULL;
         const char *const set[] = {solver[k], "solver.outer_iterations=200",
                                    "bodies.water.constraints.fluid.stiffness=0.01"};
-        assert_int_equal(
-            pdyn_load_text(context, quoted(STREAM("bdf2", UPPER)), "stream", set, 3, &sim),
-            PDYN_OK);
+        pdyn_sim *sim = test_load_with(context, STREAM("bdf2", UPPER), set, 3);
         for (int step = 0; step < 3; step++) test_step(context, sim);
         along[k] = sim->v[3 * sim->body[1].first];
         assert_true(fabs(along[k] / along[0] - 1.0) < 1e-4);

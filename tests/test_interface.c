@@ -257,12 +257,11 @@ static void assert_energy(pdyn_sim *sim) {
 /* A lattice of particles that touches the walls of a box is at rest. */
 static void check_lattice(const char *kernel) {
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = NULL;
     const char *scene =
         SCENE("'duration': 1", FLUID_BOX("", "0.05", "0, 0, 0", "0.8, 0.8, 0.8", ""),
               ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.8, 0.8, 0.8]}}]");
     double energy;
-    assert_int_equal(pdyn_load_text(context, quoted(scene), "test", &kernel, 1, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load_with(context, scene, &kernel, 1);
     sim->objective.h = 0.01;
     assert_int_equal(objective_local(&sim->objective, sim->x, &energy, sim->gradient), PDYN_OK);
     sim->objective.batch[0]->type->matrix_free->density(sim->objective.batch[0]->op, sim->density);

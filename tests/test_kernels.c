@@ -244,8 +244,7 @@ static double energy_stiffness(const struct kernel_model *model, double w, const
  * others have p = u. */
 static void check_energy(const char *kernel) {
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = NULL;
-    assert_int_equal(pdyn_load_text(context, block, "block", &kernel, 1, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load_with(context, block, &kernel, 1);
     int n = sim->objective.particles, compressed = 0;
     size_t bytes = (3 * (size_t)n + 1) * sizeof(double);
     double *x = malloc(bytes), *p = malloc(bytes), *q = malloc(bytes), *g = malloc(bytes), energy;
@@ -293,8 +292,7 @@ static void test_carried_density(void **state) {
     pdyn_context *context = test_context(1);
     const char *const set[] = {"solids.0.motion=[{\"time\": 0}, {\"time\": 1, \"translate\": "
                                "[0.02, 0.01, 0], \"rotate\": [0, 3, 5]}]"};
-    pdyn_sim *sim = NULL;
-    assert_int_equal(pdyn_load_text(context, block, "block", set, 1, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load_with(context, block, set, 1);
     const struct batch *fluid = sim->objective.batch[0];
     sim->objective.h = 0.01;
     for (int k = 0; k <= 10; k++) {
@@ -355,8 +353,7 @@ static void test_pressure(void **state) {
 /* ---- the operator ---------------------------------------------------------------------------- */
 
 static pdyn_sim *load_block(pdyn_context *context) {
-    pdyn_sim *sim = NULL;
-    assert_int_equal(pdyn_load_text(context, block, "block", NULL, 0, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load(context, block);
     sim->objective.h = 0.01;
     return sim;
 }

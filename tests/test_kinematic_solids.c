@@ -348,8 +348,7 @@ static void test_divergence(void **state) {
     static const char *const set[] = {"bodies.0.velocity=[1e6, 0, 0]", "time_step.fixed=1000",
                                       "frame_interval=1000", "solver.retries=0"};
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = NULL;
-    assert_int_equal(pdyn_load_text(context, quoted(turning), "test", set, 4, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load_with(context, turning, set, 4);
     const pdyn_state s = pdyn_get_state(sim);
     size_t size = 3 * (size_t)s.boundary * sizeof *s.boundary_x;
     double *before = malloc(size);

@@ -128,10 +128,8 @@ static void test_momentum(void **state) {
     static const char *const solver[] = {"solver.type=dual", "solver.type=cg"};
     for (int k = 0; k < 2; k++) {
         pdyn_context *context = test_context(1);
-        pdyn_sim *sim = NULL;
+        pdyn_sim *sim = test_load_with(context, drops, &solver[k], 1);
         double change[3] = {0};
-        assert_int_equal(pdyn_load_text(context, quoted(drops), "drops", &solver[k], 1, &sim),
-                         PDYN_OK);
         add_momentum(sim, -1.0, change);
         for (int step = 0; step < 60; step++) test_step(context, sim);
         add_momentum(sim, 1.0, change);
@@ -205,14 +203,12 @@ static const char coupled[] = SCENE(
 /* Runs 20 steps, of which `before` are followed by saving and restoring. */
 static uint64_t run(const char *text, const char *set, int threads, int before) {
     pdyn_context *context = test_context(threads);
-    pdyn_sim *sim = NULL;
-    assert_int_equal(pdyn_load_text(context, quoted(text), "scene", &set, 1, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load_with(context, text, &set, 1);
     for (int step = 0; step < 20; step++) {
         if (step == before) {
             assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
             pdyn_free(sim);
-            assert_int_equal(pdyn_load_text(context, quoted(text), "scene", &set, 1, &sim),
-                             PDYN_OK);
+            sim = test_load_with(context, text, &set, 1);
             assert_int_equal(pdyn_restore(sim, "state"), PDYN_OK);
             test_remove_file("state");
         }

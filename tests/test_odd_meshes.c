@@ -77,10 +77,8 @@ static double swing(const char *mesh, int contact) {
         "'vertices': {'vertices': [0, 2, 4, 6]}}]}]}";
     const char *set[] = {"contact={\"thickness\": 0.005}"};
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim;
     test_write_text("mesh.obj", mesh);
-    if (pdyn_load_text(context, quoted(text), "test", set, contact, &sim) != PDYN_OK)
-        fail_msg("%s", pdyn_last_error(context));
+    pdyn_sim *sim = test_load_with(context, text, set, contact);
     test_remove_file("mesh.obj");
     for (int n = 0; n < 20; n++) assert_true(test_step(context, sim).step_residual <= 0.1);
     double height = pdyn_get_state(sim).x[3 * 3 + 1];

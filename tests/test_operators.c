@@ -42,8 +42,7 @@ static void test_two(void **state) {
     const char *const set = *state;
     pdyn_context *context = context_of_both(2);
     pdyn_sim *sim[3];
-    for (int k = 0; k < 3; k++)
-        assert_int_equal(pdyn_load_text(context, scene[k], "two", &set, 1, &sim[k]), PDYN_OK);
+    for (int k = 0; k < 3; k++) sim[k] = test_load_with(context, scene[k], &set, 1);
     int n = sim[0]->objective.particles;
     assert_true(sim[1]->objective.batches == 2 && sim[1]->anchored);
     for (int step = 0; step < 10; step++)

@@ -107,12 +107,11 @@ static void step_often(pdyn_context *context, pdyn_sim *sim, int steps) {
 /* Saves after `before` steps, restores into a new simulation and compares further steps. */
 static void goes_on(const char *text, const char *set, int before) {
     pdyn_context *context = test_context(2);
-    pdyn_sim *first = NULL, *second = NULL;
-    assert_int_equal(pdyn_load_text(context, quoted(text), "first", &set, 1, &first), PDYN_OK);
+    pdyn_sim *first = test_load_with(context, text, &set, 1);
     step_often(context, first, before);
     assert_int_equal(pdyn_save(first, "state"), PDYN_OK);
     step_often(context, first, 6);
-    assert_int_equal(pdyn_load_text(context, quoted(text), "second", &set, 1, &second), PDYN_OK);
+    pdyn_sim *second = test_load_with(context, text, &set, 1);
     assert_int_equal(pdyn_restore(second, "state"), PDYN_OK);
     step_often(context, second, 6);
     assert_true(pdyn_time(first) == pdyn_time(second));
@@ -230,8 +229,7 @@ static void test_memory(void **state) {
 /* Loads the sheet with an override; restoring its state must be refused with this text. */
 static void refused(const char *set, const char *says) {
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = NULL;
-    assert_int_equal(pdyn_load_text(context, quoted(sheet), "other", &set, 1, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load_with(context, sheet, &set, 1);
     uint64_t hash = pdyn_state_hash(sim);
     assert_int_equal(pdyn_restore(sim, "state"), PDYN_BAD_INPUT);
     assert_error(context, says);
@@ -259,12 +257,10 @@ static void test_other_settings(void **state) {
                                        "duration=7",
                                        "bodies.sheet.color=\"#102030\""};
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, sheet), *other = NULL;
+    pdyn_sim *sim = test_load(context, sheet);
     step_often(context, sim, 3);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
-    if (pdyn_load_text(context, quoted(sheet), "other", sets, sizeof sets / sizeof *sets, &other) !=
-        PDYN_OK)
-        fail_msg("%s", pdyn_last_error(context));
+    pdyn_sim *other = test_load_with(context, sheet, sets, sizeof sets / sizeof *sets);
     if (pdyn_restore(other, "state") != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
     assert_true(pdyn_time(other) == pdyn_time(sim));
     assert_true(pdyn_state_hash(other) == pdyn_state_hash(sim));

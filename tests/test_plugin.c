@@ -355,7 +355,7 @@ static void test_dense(void **state) {
     pdyn_free(sim);
     static const char *const factored[] = {"solver.type=cholesky", "solver.step=projective"};
     if (!test_lacks_solver(factored[0])) {
-        assert_int_equal(pdyn_load_text(context, quoted(text), "s", factored, 2, &sim), PDYN_OK);
+        sim = test_load_with(context, text, factored, 2);
         assert_int_equal(warned.count, 1);
         pdyn_free(sim);
     }

@@ -27,9 +27,8 @@ struct run {
 
 static struct run pour(const char *scene, const char *solver, int threads, double seconds) {
     pdyn_context *context = test_context(threads);
-    pdyn_sim *sim = NULL;
     struct run run = {0};
-    assert_int_equal(pdyn_load_text(context, quoted(scene), "pour", &solver, 1, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load_with(context, scene, &solver, 1);
     while (pdyn_time(sim) < seconds - 1e-9) {
         pdyn_step_info info = test_step(context, sim);
         run.steps++, run.kinetic = info.kinetic_energy;

@@ -311,9 +311,7 @@ static void test_threads(void **state) {
         static const char *const none[] = {"probes=[]"};
         struct counter calls;
         pdyn_context *c = test_counting_context(1 + t, &calls);
-        pdyn_sim *sim = NULL;
-        assert_int_equal(pdyn_load_text(c, quoted(everything), "test", none, t == 0, &sim),
-                         PDYN_OK);
+        pdyn_sim *sim = test_load_with(c, everything, none, t == 0);
         for (int n = 0; n < 10; n++) test_step(c, sim);
         test_allow(&calls, 0);
         test_step(c, sim);

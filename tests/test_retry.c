@@ -21,8 +21,7 @@ static pdyn_status fail_where_long(void *self, double *b, double *y, const pdyn_
 
 static pdyn_sim *load(pdyn_context *context, pdyn_global_solver *failing, const char *set,
                       double limit) {
-    pdyn_sim *sim = NULL;
-    assert_int_equal(pdyn_load_text(context, quoted(drop), "drop", &set, 1, &sim), PDYN_OK);
+    pdyn_sim *sim = test_load_with(context, drop, &set, 1);
     *failing = *(own = sim->solver), failing->solve = fail_where_long;
     objective_of_own = &sim->objective, longest = INFINITY, sim->solver = failing;
     for (int k = 0; k < 5; k++) assert_int_equal(test_step(context, sim).retries, 0);
