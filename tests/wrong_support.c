@@ -17,7 +17,7 @@ static void listen(void *user, const char *text) {
     snprintf(told->all + length, sizeof told->all - length, "  %s\n", text);
 }
 
-bool wrong_is_reported(const pdyn_plugin *plugin, const char *expected) {
+static bool is_reported(const pdyn_plugin *plugin, const char *expected) {
     struct told told = {.expected = expected ? expected : ""};
     int faults = 1;
     pdyn_context *context = test_context(1);
@@ -34,11 +34,11 @@ bool wrong_is_reported(const pdyn_plugin *plugin, const char *expected) {
 bool wrong_type_is_reported(pdyn_constraint_type type, const char *expected) {
     const pdyn_constraint_type *const types[] = {&type, NULL};
     const pdyn_plugin plugin = {PDYN_ABI, "p", types, NULL};
-    return wrong_is_reported(&plugin, expected);
+    return is_reported(&plugin, expected);
 }
 
 void wrong_expect_plugin(const pdyn_plugin *plugin, const char *expected) {
-    assert_true(wrong_is_reported(plugin, expected));
+    assert_true(is_reported(plugin, expected));
 }
 
 void wrong_expect(pdyn_constraint_type type, const char *expected) {

@@ -8,7 +8,6 @@
 
 /* Whether conformance, or the registration, reports a text that contains `expected`; NULL: whether
  * it reports nothing. Prints what was reported otherwise. */
-bool wrong_is_reported(const pdyn_plugin *plugin, const char *expected);
 bool wrong_type_is_reported(pdyn_constraint_type type, const char *expected);
 /* Fail where that is false. */
 void wrong_expect_plugin(const pdyn_plugin *plugin, const char *expected);
