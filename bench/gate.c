@@ -12,23 +12,30 @@ static const double width = 0.1, depth = 0.14;                            /* m, 
 static const double experiment[][2] = {{0.040, 0.0125}, {0.080, 0.0340}, {0.119, 0.0440},
                                        {0.161, 0.0464}, {0.200, 0.0442}, {0.240, 0.0430},
                                        {0.281, 0.0412}, {0.321, 0.0400}, {0.360, 0.0374}};
-enum { POINTS = sizeof experiment / sizeof *experiment };
+enum {
+    POINTS = sizeof experiment / sizeof *experiment,
+    ACROSS = 6 /* segments of a plane across the slice */
+};
+
+struct trial {
+    double d, modulus, h; /* spacing of particles, m; modulus of the rubber, Pa; step, s */
+    char integrator[8];
+};
 
 struct mesh {
     double x, z, low, high; /* m: of the plane; how far it goes beyond the slice; heights */
-    int up, across;         /* segments */
+    int up;                 /* segments */
 };
 
 /* Rows from the lowest to the highest. */
 static void write_plane(const char *path, const struct mesh *m, double slice) {
     FILE *file = fopen(path, "w");
     if (!file) die("%s: cannot be written", path);
-    int n = m->across + 1;
     for (int i = 0; i <= m->up; i++)
-        for (int j = 0; j < n; j++)
+        for (int j = 0; j <= ACROSS; j++)
             fprintf(file, "v %.17g %.17g %.17g\n", m->x, m->low + (m->high - m->low) * i / m->up,
-                    (slice + 2.0 * m->z) * j / m->across - m->z);
-    write_triangles(file, m->up, m->across);
+                    (slice + 2.0 * m->z) * j / ACROSS - m->z);
+    write_triangles(file, m->up, ACROSS);
     fclose(file);
 }
 
@@ -44,46 +51,45 @@ static const char scene[] =
     "{'minimum': [0, 0, 0], 'maximum': [0.3, 0.2, %.17g]}, 'open': ['+x', '+y']}, {'mesh': '%s'}]}";
 
 /* The sheet and the wall above it lie where the water ends. */
-static pdyn_sim *load_gate(pdyn_context *context, const char *directory, double d, double modulus,
-                           double h, const char *integrator, int *across) {
+static pdyn_sim *load_gate(pdyn_context *context, const char *directory, const struct trial *t) {
     char sheet[4096], wall[4096];
+    double d = t->d;
     int up = (int)(gate / d + 0.5);
     double ds = gate / (up + 0.5), slice = 4.0 * d;
-    struct mesh m = {width, d, 0.0, gate + 0.5 * ds, up + 1, 6};
+    struct mesh m = {width, d, 0.0, gate + 0.5 * ds, up + 1};
     snprintf(sheet, sizeof sheet, "%s/gate.obj", directory);
     snprintf(wall, sizeof wall, "%s/gate_wall.obj", directory);
     write_plane(sheet, &m, slice);
     m.low = gate, m.high = 0.2;
     write_plane(wall, &m, slice);
-    *across = m.across + 1;
     double pressure = density * g * depth;
     double share = slice / (slice + 2.0 * d); /* width of the plate over the sheet's */
     double rigidity =
-        share * modulus * thickness * thickness * thickness / (12.0 * (1.0 - 0.4 * 0.4));
-    return load_text(context, scene, integrator, h, 0.5 * d, width, depth, slice,
+        share * t->modulus * thickness * thickness * thickness / (12.0 * (1.0 - 0.4 * 0.4));
+    return load_text(context, scene, t->integrator, t->h, 0.5 * d, width, depth, slice,
                      0.45 * pressure * d / 1e-3, sheet, share * gate_density * thickness,
-                     share * modulus * thickness, rigidity, gate - 0.6 * ds, slice, wall);
+                     share * t->modulus * thickness, rigidity, gate - 0.6 * ds, slice, wall);
 }
 
 /* Mean x of the lowest row, m. */
-static double tip(const pdyn_sim *sim, int across) {
-    const pdyn_state s = pdyn_get_state(sim);
+static double tip(const pdyn_sim *sim) {
+    const double *x = pdyn_get_state(sim).x + 3 * pdyn_get_body(sim, 1).first;
     double sum = 0.0;
-    for (int j = 0; j < across; j++) sum += s.x[3 * (pdyn_get_body(sim, 1).first + j)] / across;
+    for (int j = 0; j <= ACROSS; j++) sum += x[3 * j] / (ACROSS + 1);
     return sum;
 }
 
 /* Displacements at the times of the experiment, and the largest displacement, m. */
-static double run(pdyn_context *context, const char *directory, FILE *csv, double d, double modulus,
-                  double h, const char *integrator, double *at) {
-    int across, k = 0;
-    pdyn_sim *sim = load_gate(context, directory, d, modulus, h, integrator, &across);
-    double start = tip(sim, across), before = 0.0, time = 0.0, most = 0.0;
+static double run(pdyn_context *context, const char *directory, FILE *csv, const struct trial *t,
+                  double *at) {
+    int k = 0;
+    pdyn_sim *sim = load_gate(context, directory, t);
+    double start = tip(sim), before = 0.0, time = 0.0, most = 0.0;
     while (k < POINTS) {
-        double now = pdyn_time(sim), x = tip(sim, across) - start;
+        double now = pdyn_time(sim), x = tip(sim) - start;
         for (; k < POINTS && now >= experiment[k][0]; k++)
             at[k] = before + (x - before) * (experiment[k][0] - time) / (now - time);
-        fprintf(csv, "%g,%g,%g,%g,%g,%s\n", d, modulus, h, now, x, integrator);
+        fprintf(csv, "%g,%g,%g,%g,%g,%s\n", t->d, t->modulus, t->h, now, x, t->integrator);
         most = fmax(most, x), before = x, time = now;
         take_step(context, sim);
     }
@@ -102,13 +108,13 @@ void elastic_gate(pdyn_context *context, const char *directory, int count, char 
     for (int k = 0; k < POINTS; k++) printf(" %.1f |", 1e3 * experiment[k][1]);
     printf(" 46.4 |\n");
     for (int r = 0; r < count; r++) {
-        double mm, modulus, ms, at[POINTS];
-        char integrator[8] = "euler";
-        if (sscanf(runs[r], "%lfx%lfx%lf:%7s", &mm, &modulus, &ms, integrator) < 3)
+        double mm, mpa, ms, at[POINTS];
+        struct trial t = {.integrator = "euler"};
+        if (sscanf(runs[r], "%lfx%lfx%lf:%7s", &mm, &mpa, &ms, t.integrator) < 3)
             die("expected MMxMPAxMS or MMxMPAxMS:INTEGRATOR, found %s", runs[r]);
-        double most =
-            run(context, directory, csv, 1e-3 * mm, 1e6 * modulus, 1e-3 * ms, integrator, at);
-        printf("| %s | %g | %g | %g |", integrator, mm, modulus, ms);
+        t.d = 1e-3 * mm, t.modulus = 1e6 * mpa, t.h = 1e-3 * ms;
+        double most = run(context, directory, csv, &t, at);
+        printf("| %s | %g | %g | %g |", t.integrator, mm, mpa, ms);
         for (int k = 0; k < POINTS; k++) printf(" %.1f |", 1e3 * at[k]);
         printf(" %.1f (%+.0f %%) |\n", 1e3 * most, 100.0 * (most / 0.0464 - 1.0));
         fflush(stdout);
