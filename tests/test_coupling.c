@@ -16,6 +16,27 @@ static double energy_at(pdyn_sim *sim, const double *x, double *gradient) {
     return energy;
 }
 
+/* The rows of the fluid have the energy, gradient and products H u of its operator. g: gradient of
+ * the objective at x, by the operator, which was evaluated there last. */
+static void check_rows(struct objective *objective, const double *x, const double *u,
+                       const double *g) {
+    struct batch *fluid = objective->batch[0], *rows;
+    int n = 3 * objective->particles;
+    double *by_rows = test_vector(n), *by_operator = test_vector(n);
+    assert_int_equal(batch_create_rows(fluid, &rows), PDYN_OK);
+    assert_int_equal(batch_local(rows, x, by_rows), PDYN_OK);
+    assert_true(fabs(rows->energy / fluid->energy - 1.0) < 1e-9);
+    for (int b = 1; b < objective->batches; b++) batch_local(objective->batch[b], x, by_rows);
+    assert_true(test_distance(by_rows, g, n) < 1e-7 * sqrt(objective_dot(objective, g, g)));
+    batch_linearise(rows, 0.0), batch_linearise(fluid, 0.0);
+    memset(by_rows, 0, (size_t)n * sizeof *by_rows);
+    batch_apply(rows, u, by_rows), batch_apply(fluid, u, by_operator);
+    assert_true(test_distance(by_rows, by_operator, n) <
+                1e-9 * sqrt(objective_dot(objective, by_rows, by_rows)));
+    batch_free(rows);
+    free(by_rows), free(by_operator);
+}
+
 /* In compression: the gradient is the derivative of the energy, operator and rows agree, and the
  * forces on sheet and water are opposite. */
 static void test_forces(void **state) {
@@ -23,7 +44,6 @@ static void test_forces(void **state) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, drop);
     struct objective *objective = &sim->objective;
-    const struct batch *fluid = objective->batch[0];
     int n = 3 * objective->particles;
     double *x = test_vector(n), *u = test_vector(n), *moved = test_vector(n), *g = test_vector(n),
            *other = test_vector(n);
@@ -51,20 +71,7 @@ static void test_forces(void **state) {
     }
     assert_true(size > 10.0 && vec3_length(sum) < 1e-12 * size);
     assert_true(vec3_length(moment) < 1e-8 * size); /* pairs are stored in float */
-
-    struct batch *rows;
-    assert_int_equal(batch_create_rows(fluid, &rows), PDYN_OK);
-    memset(moved, 0, (size_t)n * sizeof *moved), memset(other, 0, (size_t)n * sizeof *other);
-    assert_int_equal(batch_local(rows, x, moved), PDYN_OK);
-    assert_true(fabs(rows->energy / fluid->energy - 1.0) < 1e-9);
-    for (int b = 1; b < objective->batches; b++) batch_local(objective->batch[b], x, moved);
-    assert_true(test_distance(moved, g, n) < 1e-7 * sqrt(objective_dot(objective, g, g)));
-    batch_linearise(rows, 0.0), batch_linearise(objective->batch[0], 0.0);
-    memset(moved, 0, (size_t)n * sizeof *moved), memset(other, 0, (size_t)n * sizeof *other);
-    batch_apply(rows, u, moved), batch_apply(objective->batch[0], u, other);
-    assert_true(test_distance(moved, other, n) <
-                1e-9 * sqrt(objective_dot(objective, moved, moved)));
-    batch_free(rows);
+    check_rows(objective, x, u, g);
     free(x), free(u), free(moved), free(g), free(other);
     pdyn_free(sim);
     pdyn_destroy(context);
