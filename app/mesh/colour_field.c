@@ -3,6 +3,7 @@
 
 #include "app.h"
 #include "parallel.h"
+#include "projdyn/vec3.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -114,7 +115,7 @@ bool colour_is_alone(const struct colour_field *field, int i) { return !(field->
 
 static double distance2(const float *a, const float *b, double d[3]) {
     for (int k = 0; k < 3; k++) d[k] = (double)b[k] - (double)a[k];
-    return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    return vec3_dot(d, d);
 }
 
 /* A particle is deep if its density sum is that of the inside of the fluid, within 10 %, and the
@@ -129,7 +130,7 @@ static void measure_particle(struct colour_field *field, const struct colour_row
             sum += w;
             for (int a = 0; a < 3; a++) offset[a] += w * d[a];
         }
-    double away = sqrt(offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2]) / sum;
+    double away = vec3_length(offset) / sum;
     field->weight[i] = sum > 1.0 ? (float)(1.0 / sum) : 0.0f;
     field->deep[i] = sum * COLOUR_SUM_SCALE > 0.9 && away < 0.06 * field->support;
 }

@@ -57,11 +57,8 @@ static void project(const void *par, const pdyn_batch *b, int first, int last) {
 
 static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *axis) {
     (void)par;
-    for (int e = first; e < last; e++, axis += 4) {
-        double t;
-        vec3_contraction(&axis[3], &t, b->u + 3 * e, length_of(b, e));
-        for (int a = 0; a < 3; a++) axis[a] = t * b->u[3 * e + a];
-    }
+    for (int e = first; e < last; e++, axis += 4)
+        vec3_axis_length(axis, b->u + 3 * e, length_of(b, e));
 }
 
 /* After an accepted step, never after one that is repeated: the state lasts. */

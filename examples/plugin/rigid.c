@@ -103,14 +103,6 @@ static void project(const void *par, const pdyn_batch *b, int first, int last) {
     }
 }
 
-/* K^-1 of a symmetric K: cofactors over the determinant. */
-static void invert(const double K[9], double inverse[9]) {
-    for (int k = 0; k < 3; k++)
-        vec3_cross(inverse + 3 * k, K + 3 * ((k + 1) % 3), K + 3 * ((k + 2) % 3));
-    double determinant = vec3_dot(K, inverse);
-    for (int k = 0; k < 9; k++) inverse[k] /= determinant;
-}
-
 /* The 3 x 3 block of J, size x size, between points with arms a and b:
  * share I + [a]x K^-1 [b]x'. */
 static void add_block(double *J, int size, const double *a, const double *b,
@@ -135,7 +127,8 @@ static void tangent(const void *par, const pdyn_batch *b, int first, int last, d
         double a[3] = {b->p[3 * i] - c[0], b->p[3 * i + 1] - c[1], b->p[3 * i + 2] - c[2]};
         for (int k = 0; k < 9; k++) K[k] += (k % 4 ? 0.0 : vec3_dot(a, a)) - a[k / 3] * a[k % 3];
     }
-    invert(K, inverse);
+    double determinant = vec3_cofactors(inverse, K);
+    for (int k = 0; k < 9; k++) inverse[k] /= determinant;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
             double a[3] = {b->p[3 * i] - c[0], b->p[3 * i + 1] - c[1], b->p[3 * i + 2] - c[2]};

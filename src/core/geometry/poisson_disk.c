@@ -1,4 +1,5 @@
 #include "poisson_disk.h"
+#include "projdyn/vec3.h"
 
 #include <math.h>
 
@@ -9,9 +10,9 @@ static const double *point(const struct poisson_disk *set, int k) {
 }
 
 static bool is_close(const struct poisson_disk *set, int k, const double x[3]) {
-    const double *p = point(set, k);
-    double r[3] = {p[0] - x[0], p[1] - x[1], p[2] - x[2]};
-    return r[0] * r[0] + r[1] * r[1] + r[2] * r[2] < set->distance * set->distance;
+    double r[3];
+    vec3_subtract(r, point(set, k), x);
+    return vec3_dot(r, r) < set->distance * set->distance;
 }
 
 /* The cell `shift` cells from x along each axis. */

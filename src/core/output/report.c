@@ -2,6 +2,7 @@
 #include "base/clock.h"
 #include "base/file_out.h"
 #include "output.h"
+#include "projdyn/vec3.h"
 #include "scene/json_file.h"
 #include "step/live_particles.h"
 #include "step/measure.h"
@@ -242,8 +243,7 @@ static json_t *describe_result(const struct report *report, const pdyn_sim *sim)
         mean_max(report, STEP_linear_iterations), "density_error", density_error(report),
         "step_residual", mean_max(report, STEP_step_residual), "energy", "start", energy(&start),
         "end", energy(end), "momentum", "start", vector(start.momentum), "end",
-        vector(end->momentum), "pin_reaction_N",
-        real(sqrt(pin[0] * pin[0] + pin[1] * pin[1] + pin[2] * pin[2])), "pin_reaction",
+        vector(end->momentum), "pin_reaction_N", real(vec3_length(pin)), "pin_reaction",
         vector(pin), "leaked", (json_int_t)end->leaked, "state_hash", hash);
 }
 
