@@ -40,15 +40,16 @@ static double sum_of_lengths(const struct pdyn_sim *sim, const double *force) {
     return sum;
 }
 
-/* The constraint whose forces have the largest sum, N, at the iterate. Overwrites
- * sim->trial_gradient. */
+/* The constraint of rows whose forces have the largest sum, N, at the iterate. Operators, whose
+ * local step needs the samples, too, are left out. Overwrites sim->trial_gradient. */
 static pdyn_status find_unbalanced(struct pdyn_sim *sim, const struct batch **out,
                                    double *largest) {
     const struct objective *objective = &sim->objective;
     double *force = sim->trial_gradient;
     pdyn_status status = PDYN_OK;
     *out = NULL, *largest = 0.0;
-    for (int b = 0; b < objective->batches && status == PDYN_OK; b++) {
+    for (int b = 0; b < sim->constraints && status == PDYN_OK; b++) {
+        if (objective->batch[b]->op) continue;
         memset(force, 0, objective_bytes(objective));
         status = batch_local(objective->batch[b], sim->x_next, force);
         double sum = length_of_sum(sim, force);

@@ -8,7 +8,7 @@
  * constraint is anchored, it does nothing. */
 pdyn_status momentum_restore(struct pdyn_sim *sim);
 
-/* Warns of a constraint whose forces do not sum to zero although its type does not say
+/* Warns of a constraint of rows whose forces do not sum to zero although its type does not say
  * PDYN_ANCHORED: momentum_restore has taken away what it did to the momentum. After a successful
  * attempt at a step. */
 pdyn_status momentum_warn(struct pdyn_sim *sim);
