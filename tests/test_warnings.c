@@ -933,6 +933,31 @@ static void test_momentum(void **state) {
     }
 }
 
+/* What looks for the type changes no bit: with water beside the sheet, any number of threads gives
+ * the same ones. */
+static void test_momentum_beside_fluid(void **state) {
+    (void)state;
+    static const pdyn_constraint_type *const types[] = {&loose_floor, NULL};
+    static const pdyn_plugin plugin = {PDYN_ABI, "loose", types, NULL};
+    static const char scene[] = SCENE(
+        STEPS,
+        PAIR(FLUID_BOX("'name': 'water', ", "0.01", "-0.06, 0.02, -0.06", "0.06, 0.14, 0.06", ""),
+             SHEET("{'type': 'loose'}")),
+        CONTACT("0.002"));
+    uint64_t hash[2];
+    for (int k = 0; k < 2; k++) {
+        pdyn_context *context = test_context(1 + k);
+        assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
+        pdyn_sim *sim = test_load(context, scene);
+        for (int n = 0; n < 25; n++) test_step(context, sim);
+        assert_non_null(find_warning(sim, "momentum", "sheet").code);
+        hash[k] = pdyn_state_hash(sim);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+    assert_true(hash[0] == hash[1]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sheet),
@@ -974,6 +999,7 @@ int main(void) {
         cmocka_unit_test(test_room_by_kind),
         cmocka_unit_test(test_room_around_ball),
         cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_momentum_beside_fluid),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);
