@@ -122,7 +122,11 @@ int run_record_read(const char *directory, struct scene_options *options, double
     *no_frames = json_is_true(json_object_get(root, "no_frames"));
     if (no_memory) report_no_memory();
     else if (!root)
-        fprintf(stderr, "projdyn: --resume: no run to continue: %s: %s\n", path, error.text);
+        fprintf(stderr, "projdyn: --resume: no run to continue: %s: %s%s\n", path, error.text,
+                !run_record_exists(directory) && has_file(directory, "state.pdyn")
+                    ? "; a program wrote this state and continues it, in Python by sim.write(..., "
+                      "resume=True)"
+                    : "");
     else if (!good)
         fprintf(stderr,
                 "projdyn: %s: expected a text \"scene\" and arrays \"set\" and \"plugins\"\n",

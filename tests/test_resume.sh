@@ -69,6 +69,8 @@ replaces() { # a new run in the directory of one that was interrupted, and anoth
     grep "replaces one in again that had not ended; 'projdyn run --resume again'" first && ! grep replaces second
 }
 check "says that an interrupted run is replaced, once" replaces
+mkdir program && cp again/state.pdyn program
+check "a run of a program" refuses "a program wrote this state" "$program" run --resume program
 
 "$program" run "$scene" --quiet --threads 1 -o longer --time 0.1 >/dev/null
 check "a longer end" "$program" run --resume longer --quiet --threads 1 --time 0.2
