@@ -5,6 +5,7 @@
 #include "live_particles.h"
 #include "solid_approach.h"
 
+#include "projdyn/box.h"
 #include "projdyn/vec3.h"
 
 #include <math.h>
@@ -40,6 +41,36 @@ static double max_radii(const struct pdyn_sim *sim, double h, double acceleratio
         radii = fmax(radii, speed * h / body->radius);
     }
     return radii;
+}
+
+/* The box around the fluids; empty without one. */
+static struct box box_of_fluids(const struct pdyn_sim *sim) {
+    struct box box = box_empty;
+    for (int b = 0; b < sim->bodies; b++)
+        for (int k = 0; body_is_particles(&sim->body[b]) && k < sim->body[b].count; k++) {
+            int i = sim->body[b].first + k;
+            if (particle_is_live(sim, i)) box_add(&box, sim->x + 3 * (size_t)i);
+        }
+    return box;
+}
+
+/* The largest speed of a vertex of a surface or a body that may meet fluid within h, m/s: it is in
+ * the box around the fluids, or no farther away than it travels. */
+static double surface_speed(const struct pdyn_sim *sim, double h) {
+    const struct box fluids = box_of_fluids(sim);
+    double largest = 0.0;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        if (body_is_particles(body)) continue;
+        for (int i = body->first; i < body->first + body->count; i++) {
+            double speed = vec3_length(sim->v + 3 * (size_t)i);
+            struct box near = fluids;
+            if (speed <= largest) continue;
+            box_grow(&near, h * speed);
+            if (box_contains(&near, sim->x + 3 * (size_t)i)) largest = speed;
+        }
+    }
+    return largest;
 }
 
 /* Hydrostatic pressure at the bottom of the fluids at rest, Pa, if all were the densest one. */
@@ -100,7 +131,7 @@ static double grown(const struct pdyn_sim *sim) {
     return fmax(longer, interval / fmax(1.0, timestep_count(interval, last) - 1.0));
 }
 
-/* CFL condition (Weiler et al. 2016): no particle, solid and inlet travels more than `cfl` radii
+/* CFL condition (Weiler et al. 2016): no particle, surface near fluid, solid and inlet travels more than `cfl` radii
  * per step, radii of its body. Pressure and contact with moving solids limit the step, too. The
  * step length may shrink at once and grows slowly. */
 static double adaptive(const struct pdyn_sim *sim) {
@@ -109,6 +140,7 @@ static double adaptive(const struct pdyn_sim *sim) {
     double end = sim->time + h;
     double others = fmax(kinematic_speed(&sim->kinematic, sim->time, end),
                          inlets_top_speed(sim, sim->time, end));
+    others = fmax(others, surface_speed(sim, h));
     double radii = max_radii(sim, h, max_acceleration(sim), others);
     if (radii > settings->cfl) h *= settings->cfl / radii;
     h = solid_approach_limit(sim, fmin(h, rearrangement_limit(sim)));
