@@ -81,7 +81,8 @@ static void test_very_stiff(void **state) {
 }
 
 /* The other solver continues a step that takes many times the work of the steps before it, with the
- * damping that it had itself; the first one gets its own damping back. */
+ * damping that it had itself, and stays in use; both have the cost of that step. The first one gets
+ * its own damping back. */
 static void test_surprise(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -100,8 +101,41 @@ static void test_surprise(void **state) {
     assert_true(sim->eps == 0.0);
     assert_false(solver_choice_has_lost(sim, 201));
     solver_choice_step(sim, 1);
-    assert_int_equal(sim->choice.active, 0);
+    assert_int_equal(sim->choice.active, 1);
+    assert_true(sim->choice.slot[0].cost > 0.0);
+    assert_true(sim->choice.slot[0].cost == sim->choice.slot[1].cost);
+    assert_true(solver_choice_hand_over(sim));
     assert_true(sim->eps == 0.25);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* Ends a step of so much work. */
+static void end_step(pdyn_sim *sim, int64_t work) {
+    solver_choice_open(sim);
+    sim->objective.work += work, sim->steps++, sim->solved = true;
+    solver_choice_step(sim, 100);
+}
+
+/* A single cheap step wins no trial: it takes four steps with a lower mean. */
+static void test_trial(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, POUR(ROUGH, "1e6"));
+    const int64_t lost[] = {100, 10, 200}, won[] = {10, 150, 100, 90};
+    const struct solver_choice *c = &sim->choice;
+    end_step(sim, lost[0]);
+    assert_true(c->active == 1 && c->trial);
+    end_step(sim, lost[1]);
+    assert_true(c->active == 1 && c->trial);
+    end_step(sim, lost[2]);
+    assert_true(c->active == 0 && !c->trial);
+    while (!c->trial) end_step(sim, 100);
+    for (int k = 0; k < 4; k++) {
+        assert_true(c->active == 1 && c->trial);
+        end_step(sim, won[k]);
+    }
+    assert_true(c->active == 1 && !c->trial);
     pdyn_free(sim);
     pdyn_destroy(context);
 }
@@ -189,10 +223,10 @@ static void test_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_motion), cmocka_unit_test(test_stiff),
-        cmocka_unit_test(test_very_stiff),  cmocka_unit_test(test_surprise),
-        cmocka_unit_test(test_work),        cmocka_unit_test(test_remainder_error),
-        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_same_motion),     cmocka_unit_test(test_stiff),
+        cmocka_unit_test(test_very_stiff),      cmocka_unit_test(test_surprise),
+        cmocka_unit_test(test_trial),           cmocka_unit_test(test_work),
+        cmocka_unit_test(test_remainder_error), cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests_name("pressures", tests, NULL, NULL);
 }

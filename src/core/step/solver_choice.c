@@ -4,6 +4,7 @@
 #include "base/registry.h"
 #include "sim.h"
 
+#include <float.h>
 #include <limits.h>
 #include <string.h>
 
@@ -17,7 +18,10 @@ enum { CHEAP = 30 };
 enum { MANY = 200 };
 static const double surprise = 4.0;
 
-/* A trial ends after so many times the work of the other solver. */
+/* Steps of a trial that is won, and of the mean cost of a solver. A trial may be lost after two. */
+enum { TRIAL = 4, LOST = 2 };
+
+/* A step of a trial ends after so many times the cost of the other solver. */
 static const double patience = 1.5;
 
 /* An unsolved step counts as so many times its work. */
@@ -105,6 +109,7 @@ static void activate(struct pdyn_sim *sim, int k) {
 static void change_solver(struct pdyn_sim *sim) {
     struct solver_choice *c = &sim->choice;
     c->slot[c->active].damping = sim->eps;
+    c->used = 0;
     activate(sim, !c->active);
     sim->eps = c->slot[c->active].damping;
 }
@@ -160,13 +165,11 @@ static bool dual_has_failed(const struct pdyn_sim *sim) {
     return sim->far_off && sim->solver->dual;
 }
 
-static void end_trial(struct pdyn_sim *sim) {
+/* The solver in use stays for a while; lost: the other one was tried in vain. */
+static void wait_for_trial(struct pdyn_sim *sim, bool lost) {
     struct solver_choice *c = &sim->choice;
-    bool won = !dual_has_failed(sim) && c->slot[c->active].cost < c->slot[!c->active].cost;
-    c->trial = false;
-    c->wait = won ? SHORTEST_WAIT : 2 * c->wait < LONGEST_WAIT ? 2 * c->wait : LONGEST_WAIT;
-    c->next = sim->steps + c->wait;
-    if (!won) change_solver(sim);
+    c->wait = !lost ? SHORTEST_WAIT : 2 * c->wait < LONGEST_WAIT ? 2 * c->wait : LONGEST_WAIT;
+    c->next = sim->steps + c->wait, c->trial = false;
 }
 
 void solver_choice_open(struct pdyn_sim *sim) { sim->choice.opened = sim->objective.work; }
@@ -175,22 +178,35 @@ static double work_of_step(const struct pdyn_sim *sim) {
     return (double)(sim->objective.work - sim->choice.opened);
 }
 
+/* The mean of the first steps in use, then a running one. */
+static void update_cost(struct solver_choice *c, double cost) {
+    double *mean = &c->slot[c->active].cost;
+    c->used = c->used < TRIAL ? c->used + 1 : TRIAL;
+    *mean = c->used == 1 ? cost : *mean + (cost - *mean) / (double)c->used;
+}
+
 void solver_choice_step(struct pdyn_sim *sim, int iterations) {
     struct solver_choice *c = &sim->choice;
-    if (c->handed_over) change_solver(sim);
+    double cost = work_of_step(sim) * (sim->solved ? 1.0 : unsolved_penalty);
+    bool shared = c->handed_over, back_in_use = shared && c->trial;
     c->handed_over = false;
     c->dual_steps += sim->solver->dual;
     if (c->count < 2) return;
-    struct solver_slot *now = &c->slot[c->active];
-    double cost = work_of_step(sim) * (sim->solved ? 1.0 : unsolved_penalty);
-    bool alone = c->trial || now->cost == 0.0;
-    now->cost = alone ? cost : 0.5 * (now->cost + cost);
-    if (c->trial || dual_has_failed(sim)) {
-        end_trial(sim);
-    } else if (iterations > CHEAP &&
-               (sim->steps >= c->next || now->cost > c->slot[!c->active].cost)) {
-        c->trial = true;
+    if (shared) c->slot[!c->active].cost = cost;
+    if (!back_in_use) update_cost(c, cost);
+    bool failed = dual_has_failed(sim);
+    if (failed) c->slot[c->active].cost = DBL_MAX; /* no trial before the end of the wait */
+    bool worse = c->slot[c->active].cost > c->slot[!c->active].cost;
+    if (failed || (c->trial && !shared && worse && c->used >= LOST)) {
         change_solver(sim);
+        back_in_use = true;
+    }
+    if (back_in_use) c->used = TRIAL;
+    if (back_in_use || shared || (c->trial && c->used == TRIAL)) {
+        wait_for_trial(sim, back_in_use);
+    } else if (!c->trial && iterations > CHEAP && (sim->steps >= c->next || worse)) {
+        change_solver(sim);
+        c->trial = true;
     }
 }
 
@@ -221,6 +237,7 @@ void solver_choice_reject(struct pdyn_sim *sim) {
 
 static void persist_numbers(struct solver_choice *c, struct snapshot_file *file) {
     snapshot_file_flags(file, &c->trial, 1, "the flag of a trial is neither 0 nor 1");
+    snapshot_file_long(file, &c->used, TRIAL, "the steps of a solver are out of range");
     snapshot_file_long(file, &c->wait, LONGEST_WAIT, "the steps between trials are out of range");
     snapshot_file_long(file, &c->next, LONG_MAX, "the step of the next trial is negative");
     snapshot_file_long(file, &c->dual_steps, LONG_MAX, "the number of dual steps is negative");

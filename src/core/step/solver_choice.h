@@ -4,12 +4,14 @@
  * iterations in positions and some dozens in pressures, and calm water the other way round.
  *
  * Where the scene asks for "auto", work is counted (objective.work): the solver in use is the one
- * whose steps take less. The other one is tried for a step when the cost exceeds its own as last
- * known, or after a number of steps, which grows with every trial that it loses. A step that takes
- * many times the work of the steps before it is continued by the other solver. A step in pressures
- * that ends far from solved is the last one for a while. A solver that comes back into use has the
- * damping that it had: to find it again would take up to three times the work of a step. Counts
- * decide, never times, so that results are the same on every machine. */
+ * whose steps take less. The cost of a solver is the mean of its last steps. The other one is tried
+ * when its cost is less, as last known, or after a number of steps, which grows with every trial
+ * that it loses. It wins with four steps whose mean is less: a single cheap step decides nothing. A
+ * step that takes many times the work of the steps before it is ended by the other solver, which
+ * stays in use. A step in pressures that ends far from solved is the last one for a while. A solver
+ * that comes back into use has the damping that it had: to find it again would take up to three
+ * times the work of a step. Counts decide, never times, so that results are the same on every
+ * machine. */
 #ifndef PDYN_SOLVER_CHOICE_H
 #define PDYN_SOLVER_CHOICE_H
 
@@ -22,7 +24,7 @@ struct pdyn_sim;
 struct solver_slot {
     const pdyn_global_solver *solver;
     void *state;    /* solver->state_size bytes */
-    double cost;    /* work of its last trial, or the running mean of its steps */
+    double cost;    /* mean work of its last steps */
     double damping; /* eps at the end of its last step, while it is not in use */
 };
 
@@ -33,6 +35,7 @@ struct solver_choice {
     bool trial;                 /* this step is a trial of the active one */
     bool fresh;                 /* the active one has not solved in this step yet */
     bool handed_over;           /* this step goes on with the solver that did not begin it */
+    long used;                  /* steps in the cost of the active one, up to those of a trial */
     long wait, next;            /* steps between two trials; step of the next trial */
     int64_t opened;             /* objective.work at the beginning of this attempt at a step */
     long dual_steps;            /* accepted steps with a dual solver */
