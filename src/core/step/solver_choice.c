@@ -185,29 +185,39 @@ static void update_cost(struct solver_choice *c, double cost) {
     *mean = c->used == 1 ? cost : *mean + (cost - *mean) / (double)c->used;
 }
 
+static bool is_worse(const struct solver_choice *c) {
+    return c->slot[c->active].cost > c->slot[!c->active].cost;
+}
+
+/* Decides a trial, or after a step that failed. shared: the other solver began the step. Returns
+ * whether the solver in use stays for a while. */
+static bool decide(struct pdyn_sim *sim, bool shared) {
+    struct solver_choice *c = &sim->choice;
+    bool failed = dual_has_failed(sim), lost = shared && c->trial;
+    if (failed) c->slot[c->active].cost = DBL_MAX; /* no trial before the end of the wait */
+    if (failed || (c->trial && !shared && c->used >= LOST && is_worse(c))) {
+        change_solver(sim);
+        lost = true;
+    }
+    if (lost) c->used = TRIAL; /* its cost is the mean that it had */
+    bool decided = lost || shared || (c->trial && c->used == TRIAL);
+    if (decided) wait_for_trial(sim, lost);
+    return decided;
+}
+
 void solver_choice_step(struct pdyn_sim *sim, int iterations) {
     struct solver_choice *c = &sim->choice;
     double cost = work_of_step(sim) * (sim->solved ? 1.0 : unsolved_penalty);
-    bool shared = c->handed_over, back_in_use = shared && c->trial;
+    bool shared = c->handed_over;
     c->handed_over = false;
     c->dual_steps += sim->solver->dual;
     if (c->count < 2) return;
     if (shared) c->slot[!c->active].cost = cost;
-    if (!back_in_use) update_cost(c, cost);
-    bool failed = dual_has_failed(sim);
-    if (failed) c->slot[c->active].cost = DBL_MAX; /* no trial before the end of the wait */
-    bool worse = c->slot[c->active].cost > c->slot[!c->active].cost;
-    if (failed || (c->trial && !shared && worse && c->used >= LOST)) {
-        change_solver(sim);
-        back_in_use = true;
-    }
-    if (back_in_use) c->used = TRIAL;
-    if (back_in_use || shared || (c->trial && c->used == TRIAL)) {
-        wait_for_trial(sim, back_in_use);
-    } else if (!c->trial && iterations > CHEAP && (sim->steps >= c->next || worse)) {
-        change_solver(sim);
-        c->trial = true;
-    }
+    if (!shared || !c->trial) update_cost(c, cost); /* else the trial has spoilt the step */
+    if (decide(sim, shared) || c->trial || iterations <= CHEAP) return;
+    if (sim->steps < c->next && !is_worse(c)) return;
+    change_solver(sim);
+    c->trial = true;
 }
 
 bool solver_choice_has_lost(const struct pdyn_sim *sim, int iterations) {
