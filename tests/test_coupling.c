@@ -119,20 +119,43 @@ static void assert_limits(pdyn_sim *sim) {
     assert_true(pairs > 100 && fabs(limit[0] - 0.02 * spacing) < 1e-9);
 }
 
+/* A sheet with 6 m/s, y above the lower side of a block of water less 7 mm. */
+#define FAST_SHEET(y)                                                                              \
+    SCENE("'duration': 1, 'gravity': [0, 0, 0], 'time_step': {'maximum': 0.005, 'cfl': 1}, "       \
+          "'solver': {'tolerance': 0.5, 'linear_tolerance': 0.3, 'outer_iterations': 100}",        \
+          PAIR(FLUID_BOX("'name': 'water', 'velocity': [0, -1, 0], ", "0.007",                     \
+                         "-0.1, 0.007, -0.1", "0.1, 0.05, 0.1", ", 'stiffness': 14000"),           \
+               GRID_SHEET("'name': 'sheet', 'velocity': [0, 6, 0], ", "0.3, 0.3", "31, 31",        \
+                          "'translate': [0, " y ", 0], 'area_density': 0.1",                       \
+                          PAIR(SPRINGS("10000"), BENDING("1e-4")))),                               \
+          "")
+
+static double first_step(const char *scene) {
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, scene);
+    double h = test_step(context, sim).h;
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return h;
+}
+
+/* A sheet that meets water in a step moves by a particle radius at most; one that does not may go
+ * farther. */
+static void test_step_length(void **state) {
+    (void)state;
+    double meets = 6.0 * first_step(FAST_SHEET("0")) / 0.007;
+    assert_true(meets > 0.9 && meets <= 1.0);
+    assert_true(6.0 * first_step(FAST_SHEET("-0.03")) / 0.007 > 4.0);
+    assert_true(6.0 * first_step(FAST_SHEET("0.1")) / 0.007 > 4.0);
+}
+
 /* A sheet of a hundredth of the mass of a water layer hits a block of water with 6 m/s, two
  * particle spacings per step. The prediction lies behind the water; the step must not end there. */
 static void test_fast_sheet(void **state) {
     (void)state;
-    const char *scene =
-        SCENE("'duration': 1, 'gravity': [0, 0, 0], 'time_step': {'maximum': 0.005, 'cfl': 1}, "
-              "'solver': {'tolerance': 0.5, 'linear_tolerance': 0.3, 'outer_iterations': 100}",
-              PAIR(FLUID_BOX("'name': 'water', 'velocity': [0, -1, 0], ", "0.007",
-                             "-0.1, 0.007, -0.1", "0.1, 0.05, 0.1", ", 'stiffness': 14000"),
-                   GRID_SHEET("'name': 'sheet', 'velocity': [0, 6, 0], ", "0.3, 0.3", "31, 31",
-                              "'area_density': 0.1", PAIR(SPRINGS("10000"), BENDING("1e-4")))),
-              "");
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, scene);
+    const char *const set[] = {"time_step.cfl=5"};
+    pdyn_sim *sim = test_load_with(context, FAST_SHEET("0"), set, 1);
     const pdyn_body *water = &sim->body[0], *sheet = &sim->body[1];
     for (int step = 0; step < 2; step++) test_step(context, sim);
     for (int i = 0; i < water->count; i++) {
@@ -434,12 +457,12 @@ static void test_start(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_forces),     cmocka_unit_test(test_solvers),
-        cmocka_unit_test(test_fast_sheet), cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_viscosity),  cmocka_unit_test(test_layers),
-        cmocka_unit_test(test_floor),      cmocka_unit_test(test_grant_decays),
-        cmocka_unit_test(test_hidden),     cmocka_unit_test(test_impact),
-        cmocka_unit_test(test_start),
+        cmocka_unit_test(test_forces),       cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_step_length),  cmocka_unit_test(test_fast_sheet),
+        cmocka_unit_test(test_momentum),     cmocka_unit_test(test_viscosity),
+        cmocka_unit_test(test_layers),       cmocka_unit_test(test_floor),
+        cmocka_unit_test(test_grant_decays), cmocka_unit_test(test_hidden),
+        cmocka_unit_test(test_impact),       cmocka_unit_test(test_start),
     };
     return cmocka_run_group_tests_name("coupling", tests, NULL, NULL);
 }
