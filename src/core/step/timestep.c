@@ -57,7 +57,7 @@ static struct box box_of_fluids(const struct pdyn_sim *sim) {
 /* The largest speed of a vertex of a surface or a body that may meet fluid within h, m/s: it is in
  * the box around the fluids, or no farther away than it travels. */
 static double surface_speed(const struct pdyn_sim *sim, double h) {
-    const struct box fluids = box_of_fluids(sim);
+    const struct box fluids = sim->objective.samples ? box_of_fluids(sim) : box_empty;
     double largest = 0.0;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
