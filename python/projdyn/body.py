@@ -64,7 +64,8 @@ class Body(Fixed):
                 "set_motion": "set_velocities sets those of its particles",
                 "set_wrench": "set_forces sets those on its particles",
                 "position": "x has those of its particles",
-                "velocity": "v has those of its particles"}
+                "velocity": "v has those of its particles",
+                "positions": "x has them", "velocities": "v has them"}
 
     def __init__(self, handle: Handle, index: int, state: dict) -> None:
         self._handle, self._index = handle, index
