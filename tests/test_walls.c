@@ -244,18 +244,25 @@ static double push_on(const char *scene) {
 #define RIGID(shape)                                                                               \
     "{'name': 'body', 'rigid': {" shape                                                            \
     ", 'density': 500}, 'constraints': [" PINS("'all': true") "]}"
-#define CRATE RIGID("'box': {'minimum': [-0.103, 0.02, 0.03], 'maximum': [-0.003, 0.12, 0.13]}")
-#define BALL  RIGID("'sphere': {'center': [-0.063, 0.06, 0.08], 'radius': 0.06}")
+#define CRATE     RIGID("'box': {'minimum': [-0.103, 0.02, 0.03], 'maximum': [-0.003, 0.12, 0.13]}")
+#define ON_GROUND RIGID("'box': {'minimum': [-0.103, 0, 0.03], 'maximum': [-0.003, 0.1, 0.13]}")
+#define GROUND    "}, {'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 2}"
+#define BALL      RIGID("'sphere': {'center': [-0.063, 0.06, 0.08], 'radius': 0.06}")
 
-/* Water pushes nothing 0.15 spacings outside of a wall, but what lies on the wall or inside. */
+/* Water pushes nothing 0.15 spacings outside of a wall, where it lies on the ground, too, but what
+ * lies on the wall or inside. */
 static void test_push(void **state) {
     (void)state;
     const char *outside[] = {BESIDE(CRATE, UPRIGHT), BESIDE(CRATE, TURNED), BESIDE(BALL, UPRIGHT),
-                             BESIDE(SHEET("-0.003", "0, 0, 90"), UPRIGHT)};
+                             BESIDE(SHEET("-0.003", "0, 0, 90"), UPRIGHT),
+                             BESIDE(ON_GROUND, UPRIGHT GROUND)};
     const char *inside[] = {
         BESIDE(SHEET("0", "0, 0, 90"), UPRIGHT), BESIDE(SHEET("-1e-4", "0, 0, 90"), UPRIGHT),
         BESIDE(SHEET("-1e-4", "0, 0, 90"), TURNED), BESIDE(SHEET("0.003", "0, 0, 90"), UPRIGHT)};
-    for (int k = 0; k < 4; k++) assert_true(push_on(outside[k]) == 0.0);
+    for (int k = 0; k < 5; k++) {
+        double push = push_on(outside[k]);
+        if (push > 0.0) fail_msg("body %d outside feels %g N", k, push);
+    }
     for (int k = 0; k < 4; k++) {
         double push = push_on(inside[k]);
         if (push < 5.0) fail_msg("sheet %d inside feels %g N", k, push);

@@ -73,6 +73,7 @@ struct query {
     const double *from, *to;
     struct box box; /* region of the search */
     double nearest; /* squared distance to the nearest triangle so far, m^2 */
+    double touch;   /* m; `to` lies on a triangle whose plane is closer, which does not block */
     bool blocked;
 };
 
@@ -111,12 +112,13 @@ static double edge_side(const double d[3], const double a[3], const double b[3])
     return vec3_dot(d, normal);
 }
 
-/* Whether the segment from 0 to d meets the triangle c. */
-static bool segment_meets_triangle(const double d[3], double c[3][3]) {
+/* Whether the segment from 0 to d meets the triangle c, on which d does not lie. */
+static bool segment_meets_triangle(const double d[3], double c[3][3], double touch) {
     double n[3];
     vec3_normal(n, c[0], c[1], c[2]);
     double begin = -vec3_dot(n, c[0]), end = begin + vec3_dot(n, d);
     if ((begin > 0.0) == (end > 0.0)) return false;
+    if (end * end < touch * touch * vec3_dot(n, n)) return false;
     double s[3];
     for (int k = 0; k < 3; k++) s[k] = edge_side(d, c[k], c[(k + 1) % 3]);
     return (s[0] >= 0.0 && s[1] >= 0.0 && s[2] >= 0.0) ||
@@ -144,7 +146,7 @@ static void test_blocking(void *user, int id) {
         for (int k = 0; k < 3; k++)
             c[k][a] = q->occlusion->x[3 * (size_t)corner[k] + (size_t)a] - q->from[a];
     }
-    if (segment_meets_triangle(d, c) && !goes_around(q, id, d, c)) q->blocked = true;
+    if (segment_meets_triangle(d, c, q->touch) && !goes_around(q, id, d, c)) q->blocked = true;
 }
 
 bool occlusion_is_clear(const struct occlusion *s, int i, double distance) {
@@ -155,8 +157,9 @@ bool occlusion_is_near(const struct occlusion *s, int i) {
     return s->clearance[i] < 0.5 * s->reach;
 }
 
-bool occlusion_separates(const struct occlusion *s, const double *from, const double *to) {
-    struct query q = {.occlusion = s, .from = from, .to = to, .box = box_empty};
+bool occlusion_separates(const struct occlusion *s, const double *from, const double *to,
+                         double touch) {
+    struct query q = {.occlusion = s, .from = from, .to = to, .box = box_empty, .touch = touch};
     box_add(&q.box, from), box_add(&q.box, to);
     bvh_visit(&s->tree, &q.box, test_blocking, &q);
     return q.blocked;
@@ -168,5 +171,5 @@ bool occlusion_blocks(const struct occlusion *s, int i, const double *a, int j, 
     double distance = vec3_distance(a, b);
     if (occlusion_is_clear(s, i, distance) || s->clearance[i] + s->clearance[j] >= distance)
         return false;
-    return i < j ? occlusion_separates(s, a, b) : occlusion_separates(s, b, a);
+    return i < j ? occlusion_separates(s, a, b, 0.0) : occlusion_separates(s, b, a, 0.0);
 }

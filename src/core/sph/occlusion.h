@@ -50,7 +50,9 @@ bool occlusion_is_near(const struct occlusion *occlusion, int i);
 /* Whether a triangle lies between point i at a and point j at b. Symmetric in (i, j). */
 bool occlusion_blocks(const struct occlusion *occlusion, int i, const double *a, int j,
                       const double *b);
-/* The same between any two places, without clearances. */
-bool occlusion_separates(const struct occlusion *occlusion, const double *from, const double *to);
+/* The same between any two places, without clearances. A triangle whose plane is closer to `to`
+ * than `touch`, m, does not count. */
+bool occlusion_separates(const struct occlusion *occlusion, const double *from, const double *to,
+                         double touch);
 
 #endif

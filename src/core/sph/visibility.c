@@ -122,7 +122,7 @@ static bool is_point_hidden(const struct neighbours *n, int i, int j) {
     double at[3];
     if (!is_hidden(n, i, j)) return false;
     return !find_on_face(a, frozen_position(n, j), face, at) ||
-           occlusion_separates(v->occlusion, a, at);
+           occlusion_separates(v->occlusion, a, at, 0.0);
 }
 
 /* Whether fluid particle j was in the previous list of i. */
@@ -238,7 +238,7 @@ static void hide(void *arg, int first, int last, int block) {
 /* ---- walls ----------------------------------------------------------------------------------- */
 
 /* A sample this close to a wall, in particle spacings, lies on it, as those of a sheet that is held
- * there: the wall hides it from neither side. */
+ * there: this wall hides it from neither side. */
 static const double touch = 0.01;
 
 /* Position of sample j at which visibility is decided, m. */
@@ -262,11 +262,9 @@ static bool is_behind_wall(const struct neighbours *n, int i, int j) {
     const struct occlusion *walls = n->visibility.walls;
     int sample = j - n->system;
     double at[3];
-    if (occlusion_is_clear(walls, sample, n->surface_reach) ||
-        !occlusion_is_clear(walls, sample, touch * cbrt(n->centre_volume)))
-        return false;
+    if (occlusion_is_clear(walls, sample, n->surface_reach)) return false;
     frozen_sample(n, j, at);
-    return occlusion_separates(walls, frozen_position(n, i), at);
+    return occlusion_separates(walls, frozen_position(n, i), at, touch * cbrt(n->centre_volume));
 }
 
 /* Removes samples behind walls from the lists of centres, and centres from those of samples. */
