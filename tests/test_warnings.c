@@ -933,6 +933,24 @@ static void test_momentum(void **state) {
     }
 }
 
+/* The sum that rounding leaves of the forces of a stiff light sheet, far from the origin, is told
+ * of no type of the library. */
+static void test_momentum_of_bending(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, SCENE("'duration': 1, 'gravity': [0, 0, 0]",
+                       GRID_SHEET("'name': 'sheet', 'velocity': [0, 1, 0], ", "0.4, 0.4", "9, 9",
+                                  "'translate': [30, 30, 0], 'area_density': 0.01",
+                                  PAIR(SPRINGS("1e4"), "{'type': 'bending', 'bending_rigidity': "
+                                                       "100}")),
+                       ""));
+    for (int n = 0; n < 3; n++) test_step(context, sim);
+    assert_null(find_warning(sim, "momentum", "sheet").code);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* What looks for the type changes no bit: with water beside the sheet, any number of threads gives
  * the same ones. */
 static void test_momentum_beside_fluid(void **state) {
@@ -999,6 +1017,7 @@ int main(void) {
         cmocka_unit_test(test_room_by_kind),
         cmocka_unit_test(test_room_around_ball),
         cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_momentum_of_bending),
         cmocka_unit_test(test_momentum_beside_fluid),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,

@@ -1,5 +1,6 @@
 #include "momentum.h"
 
+#include "base/registry.h"
 #include "live_particles.h"
 
 #include "projdyn/vec3.h"
@@ -40,8 +41,17 @@ static double sum_of_lengths(const struct pdyn_sim *sim, const double *force) {
     return sum;
 }
 
-/* The constraint of rows whose forces have the largest sum, N, at the iterate. Operators, whose
- * local step needs the samples, too, are left out. Overwrites sim->trial_gradient. */
+/* Whether the library has the type. Its forces sum to zero but for rounding, which is a larger part
+ * of them where a matrix takes the differences of positions, as that of `bending`. */
+static bool is_builtin(const pdyn_constraint_type *type) {
+    for (const pdyn_constraint_type *const *t = registry_builtin.constraints; *t; t++)
+        if (*t == type) return true;
+    return false;
+}
+
+/* The constraint of rows, of a plug-in, whose forces have the largest sum, N, at the iterate.
+ * Operators, whose local step needs the samples, too, are left out. Overwrites
+ * sim->trial_gradient. */
 static pdyn_status find_unbalanced(struct pdyn_sim *sim, const struct batch **out,
                                    double *largest) {
     const struct objective *objective = &sim->objective;
@@ -49,7 +59,7 @@ static pdyn_status find_unbalanced(struct pdyn_sim *sim, const struct batch **ou
     pdyn_status status = PDYN_OK;
     *out = NULL, *largest = 0.0;
     for (int b = 0; b < sim->constraints && status == PDYN_OK; b++) {
-        if (objective->batch[b]->op) continue;
+        if (objective->batch[b]->op || is_builtin(objective->batch[b]->type)) continue;
         memset(force, 0, objective_bytes(objective));
         status = batch_local(objective->batch[b], sim->x_next, force);
         double sum = length_of_sum(sim, force);
