@@ -1,8 +1,8 @@
 #!/bin/sh
 # Plug-ins from the command line. Arguments: the program, the source folder, the template as a
 # shared object, one of another abi, one that is no plug-in, one that is wrong, one that crashes,
-# solver cg, one whose table of parameters has no end.
-program=$(realpath "$1") root=$(realpath "$2") good=$(realpath "$3") old=$(realpath "$4") empty=$(realpath "$5") wrong=$(realpath "$6") crash=$(realpath "$7") cg=$(realpath "$8") endless=$(realpath "$9")
+# solver cg, one whose table of parameters has no end, one that makes a name when it is loaded.
+program=$(realpath "$1") root=$(realpath "$2") good=$(realpath "$3") old=$(realpath "$4") empty=$(realpath "$5") wrong=$(realpath "$6") crash=$(realpath "$7") cg=$(realpath "$8") endless=$(realpath "$9") named=$(realpath "${10}")
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 failed=0
@@ -36,6 +36,7 @@ expect "source of a plug-in" 2 "compile it first: cc -shared" "$program" list --
 expect "another abi" 2 "expected abi" "$program" list --plugin "$old"
 expect "no symbol" 2 "not a plug-in" "$program" list --plugin "$empty"
 expect "a table without its end" 2 'type "endless": its table of parameters has no end: expected {0}' "$program" check --conformance "$endless"
+expect "a name made at run time" 0 "pulls to the origin" "$program" list --plugin "$named"
 cp "$good" floor.so && cp "$good" again.so
 expect "file of the current folder" 0 "floor" "$program" list --plugin floor.so
 expect "a name that is taken" 2 'the name "floor" is taken' "$program" list --plugin floor.so --plugin again.so

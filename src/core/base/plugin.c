@@ -5,8 +5,12 @@
 #include "projdyn/module.h"
 
 #include <dlfcn.h>
+#include <errno.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 static pdyn_status fail_load(const char *path) {
     const char *why = dlerror(), *dot = strrchr(path, '.');
@@ -31,14 +35,20 @@ static void *open_object(pdyn_context *context, const char *path) {
     return object;
 }
 
-/* The type whose table of parameters runs on into other data, because it has no end {0}: what would
- * be a name lies in no loaded object. NULL: none. */
+/* Whether the process has memory at an address. */
+static bool is_mapped(const void *at) {
+    uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE);
+    unsigned char unused;
+    return !mincore((void *)((uintptr_t)at / page * page), 1, &unused) || errno != ENOMEM;
+}
+
+/* The type whose table of parameters runs on into other data, because it has no end {0}: there is
+ * no memory at what would be a name. NULL: none. */
 static const pdyn_constraint_type *find_endless(const pdyn_plugin *plugin) {
-    Dl_info info;
     const pdyn_constraint_type *const *t = plugin->abi == PDYN_ABI ? plugin->constraints : NULL;
     for (; t && *t; t++)
         for (const pdyn_param *p = (*t)->params; p && p->name; p++)
-            if (!dladdr(p->name, &info)) return *t;
+            if (!is_mapped(p->name)) return *t;
     return NULL;
 }
 
