@@ -879,6 +879,26 @@ static void test_room_around_ball(void **state) {
               CONTACT("0.012"))));
 }
 
+/* Of two tanks with a closed top, one is open at +y and one, a duct, at -y, too. */
+static void test_closed_tops(void **state) {
+    (void)state;
+    static const char *const open[] = {"solids.0.open=[\"+y\"]", "solids.0.open=[\"-y\",\"+y\"]"};
+    pdyn_context *context = test_context(1);
+    for (int duct = 0; duct < 2; duct++) {
+        pdyn_sim *sim = test_load_with(
+            context,
+            SCENE("'duration': 1, 'gravity': [0, 0, -9.81]",
+                  FLUID_BOX("'name': 'water', ", "0.02", "0.1, 0.1, 0", "0.2, 0.2, 0.1", ""),
+                  ", 'solids': [{'name': 'tank', 'box': {'minimum': [0, 0, 0], 'maximum': [0.3, "
+                  "0.3, 0.3]}}]"),
+            &open[duct], 1);
+        pdyn_warning w = find_warning(sim, "unusual", "tank");
+        assert_true(duct ? !w.code : !!w.code && strstr(w.text, "its open side +y is a side wall"));
+        pdyn_free(sim);
+    }
+    pdyn_destroy(context);
+}
+
 /* ---- a type that lacks PDYN_ANCHORED --------------------------------------------------------- */
 
 static int count_points(const void *par, const pdyn_body *body) {
@@ -1016,6 +1036,7 @@ int main(void) {
         cmocka_unit_test(test_room_above),
         cmocka_unit_test(test_room_by_kind),
         cmocka_unit_test(test_room_around_ball),
+        cmocka_unit_test(test_closed_tops),
         cmocka_unit_test(test_momentum),
         cmocka_unit_test(test_momentum_of_bending),
         cmocka_unit_test(test_momentum_beside_fluid),

@@ -98,19 +98,22 @@ static bool is_open(const struct scene_solid *solid, int axis) {
     return solid->open >> (2 * axis + 1) & 1u;
 }
 
-/* Tanks that are open at the top, towards which gravity points: its sign is wrong. One that is open
- * at the minimum of an axis, as a diving bell, is no slip. */
+/* Whether a tank is open at the maximum of an axis alone: a duct is open at both ends, a diving
+ * bell at the minimum. */
+static bool opens_towards(const struct scene_solid *solid, int axis) {
+    bool minimum = solid->open >> (2 * axis) & 1u;
+    return solid->is_vessel && is_open(solid, axis) && !minimum;
+}
+
+/* Tanks that are open at the top, towards which gravity points: its sign is wrong. */
 static void check_sign(struct pdyn_sim *sim, const struct scene_solid *solid) {
     const double *gravity = sim->scene.settings.gravity;
-    for (int a = 0; a < 3; a++) {
-        bool top = is_open(solid, a), bottom = solid->open >> (2 * a) & 1u;
-        if (!solid->is_vessel || !top || bottom) continue;
-        if (gravity[a] > 0.5 * vec3_length(gravity))
+    for (int a = 0; a < 3; a++)
+        if (opens_towards(solid, a) && gravity[a] > 0.5 * vec3_length(gravity))
             WARN(sim, UNUSUAL, solid->name,
                  "gravity of (%g, %g, %g) m/s^2 points out of its open side +%c; expected the "
                  "other sign",
                  gravity[0], gravity[1], gravity[2], "xyz"[a]);
-    }
 }
 
 /* Tanks that are open at +y under a gravity along z, or at +z under one along y: their top is
@@ -119,7 +122,7 @@ static void check_top(struct pdyn_sim *sim, const struct scene_solid *solid) {
     const double *gravity = sim->scene.settings.gravity;
     for (int up = 1; up < 3; up++) {
         int open = 3 - up;
-        if (!solid->is_vessel || !is_open(solid, open) || is_open(solid, up)) continue;
+        if (!opens_towards(solid, open) || is_open(solid, up)) continue;
         if (-gravity[up] > 0.5 * vec3_length(gravity))
             WARN(sim, UNUSUAL, solid->name,
                  "with gravity of (%g, %g, %g) m/s^2 its open side +%c is a side wall, and its top "
