@@ -235,8 +235,8 @@ static int open_output(pdyn_context *context, pdyn_sim *sim, const struct run_op
     }
     if (unfinished)
         fprintf(stderr,
-                "projdyn: note: this run replaces one in %s that had not ended; 'projdyn run "
-                "--resume %s' would have continued that one\n",
+                "projdyn: note: this run replaces one in %s that had not ended and could have been "
+                "continued by: projdyn run --resume %s\n",
                 o->output, shell_word(o->output).text);
     if (write_record(o) == EXIT_GOOD) return EXIT_GOOD;
     pdyn_writer_close(*writer);

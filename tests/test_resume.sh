@@ -63,13 +63,13 @@ check "the same bits after its stops" same stopped
 check "the same frames after its stops" same_frames stopped
 
 replaces() { # a new run in the directory of one that was interrupted, and another one
-    "$program" run "$scene" --quiet --threads 1 -o again --wall-time 1e-9
-    "$program" run "$scene" --quiet --threads 1 -o again --time 0.02 2>first
-    "$program" run "$scene" --quiet --threads 1 -o again --time 0.02 2>second
-    grep "replaces one in again that had not ended; 'projdyn run --resume again'" first && ! grep replaces second
+    "$program" run "$scene" --quiet --threads 1 -o "a run" --wall-time 1e-9
+    "$program" run "$scene" --quiet --threads 1 -o "a run" --time 0.02 2>first
+    "$program" run "$scene" --quiet --threads 1 -o "a run" --time 0.02 2>second
+    grep "replaces one in a run that had not ended and could have been continued by: projdyn run --resume 'a run'\$" first && ! grep replaces second
 }
 check "says that an interrupted run is replaced, once" replaces
-mkdir program && cp again/state.pdyn program
+mkdir program && cp "a run/state.pdyn" program
 check "a run of a program" refuses "a program wrote this state" "$program" run --resume program
 
 "$program" run "$scene" --quiet --threads 1 -o longer --time 0.1 >/dev/null
