@@ -131,9 +131,9 @@ static double grown(const struct pdyn_sim *sim) {
     return fmax(longer, interval / fmax(1.0, timestep_count(interval, last) - 1.0));
 }
 
-/* CFL condition (Weiler et al. 2016): no particle, surface near fluid, solid and inlet travels more than `cfl` radii
- * per step, radii of its body. Pressure and contact with moving solids limit the step, too. The
- * step length may shrink at once and grows slowly. */
+/* CFL condition (Weiler et al. 2016): no particle, surface near fluid, solid and inlet travels more
+ * than `cfl` radii per step, radii of its body. Pressure and contact with moving solids limit the
+ * step, too. The step length may shrink at once and grows slowly. */
 static double adaptive(const struct pdyn_sim *sim) {
     const struct scene_settings *settings = &sim->scene.settings;
     double h = fmin(settings->h_max, grown(sim));
