@@ -4,6 +4,7 @@
 #include <ftw.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 int temporary_folder_make(const char *name, char path[TEMPORARY_FOLDER]) {
     const char *given = getenv("TMPDIR"), *place = given && *given ? given : "/tmp";
@@ -22,6 +23,12 @@ static int remove_entry(const char *path, const struct stat *info, int kind, str
     return 0;
 }
 
+enum { TRIES = 20 }; /* a tenth of a second each */
+
 void temporary_folder_remove(const char *path) {
-    if (*path) nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+    /* processes that a browser has started write for a moment after it has ended */
+    for (int n = 0; *path && !access(path, F_OK) && n < TRIES; n++) {
+        if (n) usleep(100000);
+        nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+    }
 }

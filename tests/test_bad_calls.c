@@ -190,7 +190,7 @@ static pdyn_status writer_resume(pdyn_sim *of, const char *directory) {
     X(pdyn_save_memory(NULL, NULL, 0, &size), "sim is NULL")                                       \
     X(pdyn_save_memory(sim, NULL, 0, NULL), "size is NULL")                                        \
     X(pdyn_save_memory(sim, NULL, 1, &size), "buffer is NULL, capacity is 1")                      \
-    X(pdyn_save_memory(sim, force, 1, &size), "capacity: expected at least 2391, found 1")         \
+    X(pdyn_save_memory(sim, force, 1, &size), "capacity: expected at least 2399, found 1")         \
     X(pdyn_restore_memory(NULL, force, sizeof force), "sim is NULL")                               \
     X(pdyn_restore_memory(sim, NULL, 0), "buffer is NULL")                                         \
     X(writer_open(NULL, "out"), "sim is NULL")                                                     \
