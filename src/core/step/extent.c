@@ -8,6 +8,16 @@ struct box extent_of_body(const struct pdyn_sim *sim, const pdyn_body *body) {
     return box_around(sim->x + 3 * (size_t)body->first, body->count);
 }
 
+struct box extent_of_fluids(const struct pdyn_sim *sim) {
+    struct box box = box_empty;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        for (int i = body->first; body_is_particles(body) && i < body->first + body->count; i++)
+            if (particle_is_live(sim, i)) box_add(&box, sim->x + 3 * (size_t)i);
+    }
+    return box;
+}
+
 struct box extent_of_scene(const struct pdyn_sim *sim) {
     struct box box = box_empty;
     for (int s = 0; s < sim->scene.solids; s++)

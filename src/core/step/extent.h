@@ -1,4 +1,4 @@
-/* How far a body and a scene extend, m, at the current positions. */
+/* How far a body, the fluids and a scene extend, m, at the current positions. */
 #ifndef PDYN_EXTENT_H
 #define PDYN_EXTENT_H
 
@@ -8,6 +8,9 @@
 
 /* The bounding box of a body. */
 struct box extent_of_body(const struct pdyn_sim *sim, const pdyn_body *body);
+
+/* The bounding box of the live particles of all fluids; empty without one. */
+struct box extent_of_fluids(const struct pdyn_sim *sim);
 
 /* The bounding box of all solids at rest positions and all live particles. */
 struct box extent_of_scene(const struct pdyn_sim *sim);

@@ -1,11 +1,11 @@
 /* Choice of the step length, and warnings about steps that are too long. */
 #include "timestep.h"
 
+#include "extent.h"
 #include "inlets.h"
 #include "live_particles.h"
 #include "solid_approach.h"
 
-#include "projdyn/box.h"
 #include "projdyn/vec3.h"
 
 #include <math.h>
@@ -43,31 +43,18 @@ static double max_radii(const struct pdyn_sim *sim, double h, double acceleratio
     return radii;
 }
 
-/* The box around the fluids; empty without one. */
-static struct box box_of_fluids(const struct pdyn_sim *sim) {
-    struct box box = box_empty;
-    for (int b = 0; b < sim->bodies; b++)
-        for (int k = 0; body_is_particles(&sim->body[b]) && k < sim->body[b].count; k++) {
-            int i = sim->body[b].first + k;
-            if (particle_is_live(sim, i)) box_add(&box, sim->x + 3 * (size_t)i);
-        }
-    return box;
-}
-
 /* The largest speed of a vertex of a surface or a body that may meet fluid within h, m/s: it is in
  * the box around the fluids, or no farther away than it travels. */
 static double surface_speed(const struct pdyn_sim *sim, double h) {
-    const struct box fluids = sim->objective.samples ? box_of_fluids(sim) : box_empty;
+    const struct box fluids = sim->objective.samples ? extent_of_fluids(sim) : box_empty;
     double largest = 0.0;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
-        if (body_is_particles(body)) continue;
-        for (int i = body->first; i < body->first + body->count; i++) {
+        for (int i = body->first; !body_is_particles(body) && i < body->first + body->count; i++) {
             double speed = vec3_length(sim->v + 3 * (size_t)i);
             struct box near = fluids;
-            if (speed <= largest) continue;
             box_grow(&near, h * speed);
-            if (box_contains(&near, sim->x + 3 * (size_t)i)) largest = speed;
+            if (box_contains(&near, sim->x + 3 * (size_t)i)) largest = fmax(largest, speed);
         }
     }
     return largest;
