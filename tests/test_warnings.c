@@ -721,12 +721,12 @@ static void test_drawn(void **state) {
 static const pdyn_param place_params[] = {
     {"path", PDYN_PATH, 0, true, 0, 0, 0, "m", "places of a sphere that attracts"}, {0}};
 
-static int place_elements(const void *par, const pdyn_body *body) {
+static int count_points(const void *par, const pdyn_body *body) {
     (void)par;
     return body->count;
 }
 
-static void place_select(const void *par, const pdyn_batch *b, int first, int last) {
+static void select_point(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) b->column[e] = b->body->first + e, b->coefficient[e] = 1.0;
 }
@@ -749,10 +749,10 @@ static void test_places(void **state) {
                                        .flags = PDYN_ANCHORED,
                                        .params_size = sizeof(pdyn_path),
                                        .params = place_params,
-                                       .elements = place_elements,
+                                       .elements = count_points,
                                        .rows = 1,
                                        .width = 1,
-                                       .select = place_select,
+                                       .select = select_point,
                                        .weight = place_weight,
                                        .project = place_project};
     const pdyn_constraint_type *const types[] = {&type, NULL};
@@ -900,16 +900,6 @@ static void test_closed_tops(void **state) {
 }
 
 /* ---- a type that lacks PDYN_ANCHORED --------------------------------------------------------- */
-
-static int count_points(const void *par, const pdyn_body *body) {
-    (void)par;
-    return body->count;
-}
-
-static void select_point(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int e = first; e < last; e++) b->column[e] = b->body->first + e, b->coefficient[e] = 1.0;
-}
 
 static void weigh_point(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
