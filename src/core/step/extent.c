@@ -18,11 +18,18 @@ struct box extent_of_fluids(const struct pdyn_sim *sim) {
     return box;
 }
 
-struct box extent_of_scene(const struct pdyn_sim *sim) {
+struct box extent_of_solids(const struct pdyn_sim *sim, int but) {
     struct box box = box_empty;
-    for (int s = 0; s < sim->scene.solids; s++)
-        for (int i = 0; i < sim->scene.solid[s].mesh.vertices; i++)
-            box_add(&box, sim->scene.solid[s].mesh.vertex + 3 * (size_t)i);
+    for (int s = 0; s < sim->scene.solids; s++) {
+        const struct mesh *mesh = &sim->scene.solid[s].mesh;
+        for (int i = 0; s != but && i < mesh->vertices; i++)
+            box_add(&box, mesh->vertex + 3 * (size_t)i);
+    }
+    return box;
+}
+
+struct box extent_of_scene(const struct pdyn_sim *sim) {
+    struct box box = extent_of_solids(sim, -1);
     for (int i = 0; i < sim->objective.particles; i++)
         if (particle_is_live(sim, i)) box_add(&box, sim->x + 3 * (size_t)i);
     return box;

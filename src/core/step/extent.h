@@ -12,6 +12,9 @@ struct box extent_of_body(const struct pdyn_sim *sim, const pdyn_body *body);
 /* The bounding box of the live particles of all fluids; empty without one. */
 struct box extent_of_fluids(const struct pdyn_sim *sim);
 
+/* The bounding box of all solids but one at rest positions; -1: of all. */
+struct box extent_of_solids(const struct pdyn_sim *sim, int but);
+
 /* The bounding box of all solids at rest positions and all live particles. */
 struct box extent_of_scene(const struct pdyn_sim *sim);
 

@@ -26,31 +26,20 @@ static const double max_oblong = 1.2;
 /* Contact thickness of a rigid body, in mean edge lengths; pairs grow with its square. */
 static const double max_thickness = 2.5;
 
-/* Grows the box by all solids but one; -1: by all. */
-static void add_solids_beside(const struct pdyn_sim *sim, int solid, struct box *box) {
-    for (int s = 0; s < sim->scene.solids; s++) {
-        const struct mesh *mesh = &sim->scene.solid[s].mesh;
-        for (int i = 0; s != solid && i < mesh->vertices; i++)
-            box_add(box, mesh->vertex + 3 * (size_t)i);
-    }
-}
-
 /* Extent of all bodies and solids together without one body and one solid, m; -1: without none.
  * INFINITY: nothing, or one particle, is there at the start. */
 static double extent_beside(const struct pdyn_sim *sim, int body, int solid) {
-    struct box box = box_empty;
+    struct box box = extent_of_solids(sim, solid);
     for (int b = 0; b < sim->bodies; b++)
         for (int k = 0; b != body && k < sim->body[b].count; k++)
             if (particle_is_live(sim, sim->body[b].first + k))
                 box_add(&box, sim->x + 3 * (size_t)(sim->body[b].first + k));
-    add_solids_beside(sim, solid, &box);
     return box.min[0] <= box.max[0] && box_extent(&box) > 0.0 ? box_extent(&box) : INFINITY;
 }
 
 /* Extent of all solids together, m; INFINITY: there are none. */
-static double extent_of_solids(const struct pdyn_sim *sim) {
-    struct box box = box_empty;
-    add_solids_beside(sim, -1, &box);
+static double length_of_solids(const struct pdyn_sim *sim) {
+    struct box box = extent_of_solids(sim, -1);
     return sim->scene.solids ? box_extent(&box) : INFINITY;
 }
 
@@ -67,7 +56,7 @@ static bool warn_of_length(struct pdyn_sim *sim, const char *name, double extent
 static void check_scale(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     struct box box = extent_of_body(sim, body);
-    double extent = box_extent(&box), times = extent / extent_of_solids(sim);
+    double extent = box_extent(&box), times = extent / length_of_solids(sim);
     if (body_is_particles(body)) return;
     if (!warn_of_length(sim, body->name, extent) && times > max_times)
         WARN(sim, SCALE, body->name,
@@ -82,7 +71,7 @@ static void check_scale_of_fluid(struct pdyn_sim *sim, int b) {
     int count = body->fills ? body->fill_end[body->fills - 1] : 0;
     if (!count) return;
     struct box box = box_around(sim->x + 3 * (size_t)sim->body[b].first, count);
-    double extent = box_extent(&box), times = extent / extent_of_solids(sim);
+    double extent = box_extent(&box), times = extent / length_of_solids(sim);
     if (times > max_times)
         WARN(
             sim, SCALE, body->name,
