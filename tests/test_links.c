@@ -5,6 +5,7 @@
 #include "projdyn/conformance.h"
 #include "projdyn/control.h"
 #include "projdyn/module.h"
+#include "projdyn/vec3.h"
 
 #include <string.h>
 
@@ -141,6 +142,60 @@ static void test_conformance(void **state) {
     assert_int_equal(faults, 0);
 }
 
+/* ---- a type whose rows have one vertex ------------------------------------------------------- */
+
+struct curve {
+    pdyn_table vertex;
+    double stiffness;
+};
+
+static pdyn_param_fault curve_resolve(void *par, const pdyn_scene_info *scene) {
+    (void)scene;
+    bool closed = ((const struct curve *)par)->vertex.count > 2;
+    return (pdyn_param_fault){closed ? NULL : "a closed curve has at least three vertices", NULL};
+}
+
+static int curve_elements(const void *par, const pdyn_body *body) {
+    (void)body;
+    return ((const struct curve *)par)->vertex.count;
+}
+
+static void curve_select(const void *par, const pdyn_batch *b, int first, int last) {
+    const pdyn_table *vertex = &((const struct curve *)par)->vertex;
+    for (int e = first; e < last; e++) {
+        int from = (int)vertex->value[e], to = (int)vertex->value[(e + 1) % vertex->count];
+        b->column[2 * e] = b->body->first + from, b->coefficient[2 * e] = 1.0;
+        b->column[2 * e + 1] = b->body->first + to, b->coefficient[2 * e + 1] = -1.0;
+        ((double *)b->data)[e] = vec3_distance(b->body->rest + 3 * from, b->body->rest + 3 * to);
+    }
+}
+
+static void curve_weight(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++) b->weight[e] = ((const struct curve *)par)->stiffness;
+}
+
+/* A spring between each vertex and the next one of a closed curve: conformance gives it a curve. */
+static void test_curve(void **state) {
+    (void)state;
+    static const pdyn_param params[] = {{"vertex", PDYN_VERTEX_TABLE(PDYN_ROWS, 1, 1),
+                                         offsetof(struct curve, vertex), true, 0, 0, 1, "1",
+                                         "the vertices of the curve"},
+                                        {"stiffness", PDYN_REAL, offsetof(struct curve, stiffness),
+                                         true, 0, 0, 1e9, "N/m", "of each spring"},
+                                        {0}};
+    static pdyn_constraint_type type;
+    static const pdyn_constraint_type *const list[] = {&type, NULL};
+    static const pdyn_plugin plugin = {PDYN_ABI, "curve", list, NULL};
+    int faults = -1;
+    type = *pdyn_plugin_table.constraints[0];
+    type.name = "curve", type.params = params, type.params_size = sizeof(struct curve);
+    type.flags = PDYN_ON_SURFACE | PDYN_ON_VOLUME, type.resolve = curve_resolve;
+    type.elements = curve_elements, type.select = curve_select, type.weight = curve_weight;
+    assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
+    assert_int_equal(pdyn_conformance(context, "curve", tell, NULL, &faults), PDYN_OK);
+    assert_int_equal(faults, 0);
+}
+
 static void append(void *user, const char *text) { strncat(user, text, 2000); }
 
 static void test_description(void **state) {
@@ -152,9 +207,9 @@ static void test_description(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hanging),    cmocka_unit_test(test_bad_scenes),
-        cmocka_unit_test(test_bad_files),  cmocka_unit_test(test_changes),
-        cmocka_unit_test(test_types),      cmocka_unit_test(test_conformance),
-        cmocka_unit_test(test_description)};
+        cmocka_unit_test(test_hanging),   cmocka_unit_test(test_bad_scenes),
+        cmocka_unit_test(test_bad_files), cmocka_unit_test(test_changes),
+        cmocka_unit_test(test_types),     cmocka_unit_test(test_conformance),
+        cmocka_unit_test(test_curve),     cmocka_unit_test(test_description)};
     return cmocka_run_group_tests_name("links", tests, set_up, tear_down);
 }

@@ -63,34 +63,40 @@ static const char *const format_of[] = {[PDYN_REAL] = ", \"%s\": %.17g",
                                         [PDYN_PATH] = ", \"%s\": [[0, 0, 0, 0], [1, 0.1, 0, 0]]",
                                         [PDYN_OTHER] = ", \"%s\": \"other\""};
 
-/* A vertex for a column: those of the first cell of the grid, which span it, then further ones. */
-static int vertex_for(enum body_kind kind, enum trial_size size, int column) {
+/* The vertex in a column of a row: those of the first cell of the grid, which span it, then further
+ * ones, moved along x from row to row. Rows of one vertex go around the cell as a closed curve. */
+static int vertex_for(const pdyn_param *p, enum body_kind kind, enum trial_size size, int row,
+                      int column) {
     static const int cell[BODY_KINDS][SIZES][4] = {
         [SURFACE] = {{0, 1, 5, 6}, {0, 1, 46, 47}},
         [VOLUME] = {{0, 1, 3, 6}, {0, 1, 11, 121}}}; /* beside each other along x, y, z */
-    return column < 4 ? cell[kind][size][column] : cell[kind][size][3] + column;
+    static const int around[4] = {0, 1, 3, 2};
+    const int *corner = cell[kind][size];
+    if (param_vertices(p) == 1) return corner[around[row]];
+    return row + (column < 4 ? corner[column] : corner[3] + column);
 }
 
-/* Writes a row; its vertices are `shift` along x from the first cell. */
 static void write_row(char *text, size_t size, const pdyn_param *p, enum body_kind kind,
-                      enum trial_size trial, int shift) {
+                      enum trial_size trial, int row) {
     const char *before = param_width(p) > 1 ? "[" : "";
     for (int k = 0; k < param_width(p); k++, before = ", ")
         text_append(text, size, "%s%.17g", before,
-                    k < param_vertices(p) ? vertex_for(kind, trial, k) + shift : value_for(p));
+                    k < param_vertices(p) ? vertex_for(p, kind, trial, row, k) : value_for(p));
     if (param_width(p) > 1) text_append(text, size, "]");
 }
 
-/* Writes a required table: one row for all parts of the body, or two rows with vertices. */
+/* Writes a required table: one row for all parts of the body, or two rows with vertices, four if
+ * they have one vertex each. */
 static void write_table(char *text, size_t size, const pdyn_param *p, enum body_kind kind,
                         enum trial_size trial) {
-    bool two = param_vertices(p) && !param_rows(p, 1, 1, 1);
-    text_append(text, size, ", \"%s\": %s", p->name, two ? "[" : "");
-    write_row(text, size, p, kind, trial, 0);
-    if (!two) return;
-    text_append(text, size, ", ");
-    write_row(text, size, p, kind, trial, 1);
-    text_append(text, size, "]");
+    bool listed = param_vertices(p) && !param_rows(p, 1, 1, 1);
+    int rows = !listed ? 1 : param_vertices(p) == 1 ? 4 : 2;
+    text_append(text, size, ", \"%s\": %s", p->name, listed ? "[" : "");
+    for (int row = 0; row < rows; row++) {
+        if (row) text_append(text, size, ", ");
+        write_row(text, size, p, kind, trial, row);
+    }
+    if (listed) text_append(text, size, "]");
 }
 
 /* Writes the required parameters, and real ones whose default lies within the bounds (others have
