@@ -67,7 +67,7 @@ static void select_row(const pdyn_batch *b, int row, int i, int j, double *J) {
     b->column[2 * row + 1] = wall ? i : j, b->coefficient[2 * row + 1] = wall ? 0.0 : -1.0;
 }
 
-static void select(const void *par, const pdyn_batch *b, int first, int last) {
+static void select_rows(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     each_row(b, first, last, select_row, NULL);
 }
@@ -279,7 +279,7 @@ static const pdyn_constraint_type type = {
     .params = params,
     .elements = elements,
     .row_sizes = row_sizes,
-    .select = select,
+    .select = select_rows,
     .weight = weight,
     .project = project,
     .tangent = tangent,

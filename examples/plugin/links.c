@@ -27,7 +27,7 @@ static int elements(const void *par, const pdyn_body *body) {
 }
 
 /* The data of an element is the length l, as rest_length.h has it. */
-static void select(const void *par, const pdyn_batch *b, int first, int last) {
+static void select_rows(const void *par, const pdyn_batch *b, int first, int last) {
     const struct params *q = (const struct params *)par;
     for (int e = first; e < last; e++) {
         const double *row = q->link.value + COLUMNS * e;
@@ -54,7 +54,7 @@ static const pdyn_constraint_type type = {
     .elements = elements,
     .rows = 1,
     .width = 2,
-    .select = select,
+    .select = select_rows,
     .weight = weight,
     .project = rest_length_project,
     .tangent_rank1 = rest_length_tangent,

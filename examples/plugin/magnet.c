@@ -32,7 +32,7 @@ static int elements(const void *par, const pdyn_body *body) {
     return body->count;
 }
 
-static void select(const void *par, const pdyn_batch *b, int first, int last) {
+static void select_rows(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) b->column[e] = b->body->first + e, b->coefficient[e] = 1.0;
 }
@@ -74,7 +74,7 @@ static const pdyn_constraint_type type = {
     .elements = elements,
     .rows = 1,
     .width = 1,
-    .select = select,
+    .select = select_rows,
     .weight = weight,
     .project = project,
     .energy = energy,

@@ -44,7 +44,7 @@ static void coefficients_of(const pdyn_body *body, int t, const double f[3], dou
 }
 
 /* The data of an element is the length sqrt(V) l of u, as rest_length.h has it. */
-static void select(const void *par, const pdyn_batch *b, int first, int last) {
+static void select_rows(const void *par, const pdyn_batch *b, int first, int last) {
     const struct params *q = (const struct params *)par;
     for (int e = first; e < last; e++) {
         const double *fibre = q->fibre.value + 3 * e, length = vec3_length(fibre);
@@ -74,7 +74,7 @@ static const pdyn_constraint_type type = {
     .elements = elements,
     .rows = 1,
     .width = 4,
-    .select = select,
+    .select = select_rows,
     .weight = weight,
     .project = rest_length_project,
     .tangent_rank1 = rest_length_tangent,

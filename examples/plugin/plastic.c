@@ -27,7 +27,7 @@ static int elements(const void *par, const pdyn_body *body) {
 }
 
 /* data: the length at rest */
-static void select(const void *par, const pdyn_batch *b, int first, int last) {
+static void select_rows(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) {
         const int *end = b->body->edge + 2 * e;
@@ -81,7 +81,7 @@ static const pdyn_constraint_type type = {
     .elements = elements,
     .rows = 1,
     .width = 2,
-    .select = select,
+    .select = select_rows,
     .weight = weight,
     .project = project,
     .tangent_rank1 = tangent,

@@ -28,7 +28,7 @@ static void row_sizes(const void *par, const pdyn_batch *b, int element, int *ro
     *rows = b->body->count, *width = 1;
 }
 
-static void select(const void *par, const pdyn_batch *b, int first, int last) {
+static void select_rows(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int i = 0; i < b->body->count && first < last; i++)
         b->column[i] = b->body->first + i, b->coefficient[i] = 1.0;
@@ -144,7 +144,7 @@ static const pdyn_constraint_type type = {
     .params = params,
     .elements = elements,
     .row_sizes = row_sizes,
-    .select = select,
+    .select = select_rows,
     .weight = weight,
     .project = project,
     .tangent = tangent,

@@ -37,7 +37,7 @@ static int update(const void *par, const pdyn_batch *b, const double *x, const d
     return count;
 }
 
-static void select(const void *par, const pdyn_batch *b, int first, int last) {
+static void select_rows(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++)
         b->column[e] = ((const int *)b->data)[e], b->coefficient[e] = 1.0;
@@ -80,7 +80,7 @@ static const pdyn_constraint_type type = {
     .update = update,
     .rows = 1,
     .width = 1,
-    .select = select,
+    .select = select_rows,
     .weight = weight,
     .project = project,
     .tangent_rank1 = tangent,
