@@ -9,7 +9,8 @@
  *     E = B/2 integral |b - b_rest|^2.
  *
  * l = A |b_rest| for the first row, which plate.h turns along the curvature of the rest shape, and
- * 0 for the other two. A sheet that is flat at rest has l = 0: its energy is quadratic. */
+ * 0 for the other two. A sheet that is flat at rest has l = 0: its energy is quadratic. The lengths
+ * |u| are the same for b and -b, so a shell that is turned inside out has no energy. */
 #include "projdyn/simd.h"
 
 #include "plate.h"
