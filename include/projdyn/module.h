@@ -375,7 +375,8 @@ typedef struct pdyn_operator {
 enum {                              /* pdyn_constraint_type.flags */
        PDYN_ANCHORED = 1,           /* its forces on particles do not sum to zero (pins); not needed
                                        for those that boundary_force gives to solids */
-       PDYN_ON_SURFACE = 2,         /* needs a body with triangles */
+       PDYN_ON_SURFACE = 2,         /* needs a body with triangles: a sheet, or a soft or rigid
+                                       body */
        PDYN_ON_PARTICLES = 4,       /* needs a body of particles */
        PDYN_REACTION = 8,           /* its force is reported as pin reaction */
        PDYN_LOSSY = 16,             /* its energy is dissipated in the step, not stored */
