@@ -21,6 +21,12 @@ static const struct bad_scene bad_bodies[] = {
     {BODY("{'partcles': {}}"),
      "scene.json:2:4: bodies[0]: unknown key \"partcles\"; did you mean \"particles\"?; "
      "known: name, color, particles, surface, volume, rigid, constraints, velocity"},
+    {BODY("{'pin': {}}"),
+     "scene.json:2:4: bodies[0]: unknown key \"pin\"; did you mean \"constraints\"?; known: name, "
+     "color, particles, surface, volume, rigid, constraints, velocity"},
+    {BODY("{'particles': {'box': {}}}"),
+     "scene.json:2:18: bodies[0].particles: unknown key \"box\"; did you mean \"fill\"?; known: "
+     "fill, inlets, overlap, radius, rest_density, budget"},
     {BODY("{'color': '#12345', 'surface': {}}"),
      "scene.json:2:13: bodies[0].color: expected a color \"#rrggbb\" of six hexadecimal digits, "
      "found \"#12345\""},

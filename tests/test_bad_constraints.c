@@ -180,6 +180,12 @@ static const struct bad_scene bad_constraints[] = {
     {PIN("[{'all': true}, {'sphere': {'centre': [0, 0, 0]}}]"),
      "scene.json:3:74: bodies[0].constraints[0].vertices[1].sphere: unknown key "
      "\"centre\"; did you mean \"center\"?; known: center, radius"},
+    {PIN("{'boundary': true}"),
+     "scene.json:3:47: bodies[0].constraints[0].vertices: unknown key \"boundary\"; did you mean "
+     "\"border\"?; known: all, vertices, box, sphere, border"},
+    {PIN("[{'boundary': true}]"), "scene.json:3:48: bodies[0].constraints[0].vertices[0]: unknown "
+                                  "key \"boundary\"; did you mean "
+                                  "\"border\"?; known: all, vertices, box, sphere, border"},
     {PIN("{'all': true}, 'path': []"),
      "scene.json:3:69: bodies[0].constraints[0].path: expected an array of at least one "
      "[time, x, y, z] (s, m, m, m), found an array of 0"},

@@ -93,6 +93,15 @@ static const char *const translations[][2] = {
     {"stretching_stiffness", "constraints"},
     {"bending_rigidity", "constraints"},
     {"damping", "constraints"},
+    {"attachment", "constraints"},
+    {"bending", "constraints"},
+    {"fluid", "constraints"},
+    {"gas", "constraints"},
+    {"pin", "constraints"},
+    {"spring", "constraints"},
+    {"tet", "constraints"},
+    {"triangle", "constraints"},
+    {"wind", "constraints"},
     {"mesh", "surface"},
     {"vertices", "surface"},
     {"cloth", "surface"},
@@ -121,6 +130,7 @@ static const char *const translations[][2] = {
     {"spacing", "radius"},
     {"positions", "fill"},
     {"block", "fill"},
+    {"box", "fill"},
     {"max_particles", "budget"},
     {"voxel_size", "cell"},
     {"resolution", "cell"},
@@ -158,6 +168,7 @@ static const char *const translations[][2] = {
     {"weld", "attachment"},
     {"balloon", "gas"},
     {"pressure", "gas"},
+    {"boundary", "border"},
 };
 
 static const char *translate(const char *word, const char *const *names, int count) {

@@ -67,9 +67,16 @@ static bool is_constraint(const struct json_at *object, const char *type) {
     return found && !strcmp(found, type);
 }
 
+/* Whether the object chooses vertices: no key of the scene or of a fluid is meant there. */
+static bool chooses_vertices(const struct json_at *object) {
+    if (!object->key) object = object->parent; /* an element of an array */
+    return object->key && !strcmp(object->key, "vertices");
+}
+
 static bool hint_elsewhere(const struct json_at *at, char *hint, size_t size) {
     enum where other = is_in_fluid(at->parent) ? NOT_IN_FLUID : IN_FLUID;
-    if (!at->parent->parent || is_constraint(at->parent, at->key)) return false;
+    if (!at->parent->parent || is_constraint(at->parent, at->key) || chooses_vertices(at->parent))
+        return false;
     for (size_t k = 0; k < sizeof elsewhere / sizeof *elsewhere; k++)
         if (!strcmp(at->key, elsewhere[k].key) && elsewhere[k].where != other) {
             text_append(hint, size, "; did you mean %s?", elsewhere[k].place);
