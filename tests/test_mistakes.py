@@ -112,6 +112,8 @@ MISTAKES = [
     Mistake("a tank with z up where y is up", change(("solids.0.open", ["+z"]), *WATER_ONLY), "expected an open side +y, or gravity along -z [unusual]"),
     Mistake("gravity in millimetres", change(("gravity", [0, -9810, 0]), ("duration", 0.02), *WATER_ONLY), '"gravity" of 9810 m/s^2 is unusual, expected 0 to 100 m/s^2'),
     Mistake("friction in percent", change(("contact.friction", 30)), 'contact: "friction" of 30 is unusual, expected 0 to 10'),
+    Mistake("permeability of a porous rock, in m^2", change(("bodies.1.surface.permeability", 1e-12), ("duration", 0.02)),
+            'sheet: "permeability" of 1e-12 m/(Pa s) is unusual, expected 1e-09 to 1e+06 m/(Pa s)'),
     Mistake("surface tension in mN/m", change(("bodies.0.constraints.1", {"type": "surface_tension", "tension": 72}), ("duration", 0.02), *WATER_ONLY),
             'water: "tension" of 72 N/m is unusual', codes=(0, 0)),
     Mistake("a fluid too soft for its drops", change(("bodies.0.constraints.0", {"type": "fluid", "sound_speed": 0.2}),
