@@ -54,8 +54,8 @@ static inline void mean_of(const pdyn_sim *sim, int body, const double *value, d
         vec3_add(mean, 1.0 / sim->body[body].count, value + 3 * (sim->body[body].first + i));
 }
 
-static inline void steps(pdyn_context *context, pdyn_sim *sim, int count) {
-    for (int k = 0; k < count; k++) test_step(context, sim);
+static inline void steps(pdyn_sim *sim, int count) {
+    for (int k = 0; k < count; k++) test_step(sim);
 }
 
 #endif

@@ -57,8 +57,8 @@ pdyn_sim *test_load_with(pdyn_context *context, const char *text, const char *co
     return sim;
 }
 
-void assert_error(const pdyn_context *context, const char *expected) {
-    const char *found = pdyn_last_error(context);
+void assert_error(const char *expected) {
+    const char *found = pdyn_last_error(NULL);
     if (!strstr(found, expected)) fail_msg("expected \"%s\" in \"%s\"", expected, found);
 }
 
@@ -66,10 +66,23 @@ bool test_lacks_solver(const char *text) {
     return strstr(text, "cholesky") && !strstr(pdyn_solvers(), "cholesky");
 }
 
-pdyn_step_info test_step(pdyn_context *context, pdyn_sim *sim) {
+pdyn_step_info test_step(pdyn_sim *sim) {
     pdyn_step_info info;
-    if (pdyn_step(sim, &info) != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
+    if (pdyn_step(sim, &info) != PDYN_OK) fail_msg("%s", pdyn_last_error(NULL));
     return info;
+}
+
+pdyn_sim *test_open(const char *text) { return test_load(test_context(1), text); }
+
+pdyn_sim *test_open_with(const char *text, const char *const *set, int sets) {
+    return test_load_with(test_context(1), text, set, sets);
+}
+
+void test_close(pdyn_sim *sim) {
+    pdyn_context *context = sim->context;
+    pdyn_free(sim);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
 }
 
 /* ---- allocations ----------------------------------------------------------------------------- */

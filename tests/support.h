@@ -33,10 +33,15 @@ pdyn_sim *test_load(pdyn_context *context, const char *text);
 /* The same with overrides PATH=VALUE. */
 pdyn_sim *test_load_with(pdyn_context *context, const char *text, const char *const *set, int sets);
 /* Asserts that the text of the last error contains this one. */
-void assert_error(const pdyn_context *context, const char *expected);
+void assert_error(const char *expected);
 /* Whether a text names a solver that the build leaves out: cholesky, without CHOLMOD. */
 bool test_lacks_solver(const char *text);
-pdyn_step_info test_step(pdyn_context *context, pdyn_sim *sim);
+pdyn_step_info test_step(pdyn_sim *sim);
+/* Loads a scene as test_load, into a context of its own with one thread; to be closed. */
+pdyn_sim *test_open(const char *text);
+pdyn_sim *test_open_with(const char *text, const char *const *set, int sets);
+/* Frees a simulation and its context; asserts that it leaves no memory allocated. */
+void test_close(pdyn_sim *sim);
 
 /* An allocator that counts its calls. */
 struct counter {

@@ -46,7 +46,7 @@ static void continues_from(struct walk *w, pdyn_sim *sim, int steps) {
     pdyn_sim *other = test_load(w->context, w->text);
     assert_true(succeeded(w, pdyn_restore(other, "saved")));
     assert_true(pdyn_state_hash(other) == w->hash[steps]);
-    test_step(w->context, other);
+    test_step(other);
     for (int k = 0; k < 3 * other->objective.particles; k++)
         assert_true(fabs(other->x[k] - w->x[steps + 1][k]) < 1e-3);
     pdyn_free(other);
@@ -58,7 +58,7 @@ static void is_revived(struct walk *w, pdyn_sim *sim) {
     assert_true(succeeded(w, pdyn_restore_memory(sim, w->one, w->size)));
     for (int k = 1; k <= STEPS; k++) {
         assert_true(pdyn_state_hash(sim) == w->hash[k]);
-        test_step(w->context, sim);
+        test_step(sim);
     }
     assert_true(pdyn_state_hash(sim) == w->hash[STEPS + 1]);
 }
@@ -123,7 +123,7 @@ static long prepare(struct walk *w) {
     w->hash[0] = pdyn_state_hash(sim);
     for (int k = 1; k < STEPS + 2; k++) {
         size_t size = 3 * (size_t)sim->objective.particles * sizeof(double);
-        test_step(w->context, sim);
+        test_step(sim);
         w->hash[k] = pdyn_state_hash(sim);
         w->x[k] = memcpy(malloc(size), sim->x, size);
         if (k == 1) keep_one(w, sim);
@@ -187,7 +187,7 @@ static bool go_on_late(struct walk *w, long left, bool in_step) {
     if (!good && in_step) assert_true(succeeded(w, pdyn_save(sim, "saved")));
     else if (!good) pdyn_step(sim, NULL);
     assert_true(succeeded(w, pdyn_restore(sim, "late")));
-    test_step(w->context, sim);
+    test_step(sim);
     assert_true(pdyn_state_hash(sim) == w->hash[1]);
     pdyn_free(sim);
     return good;
@@ -198,7 +198,7 @@ static void goes_on_from_saved(struct walk *w) {
     pdyn_sim *sim = test_load(w->context, w->text);
     assert_true(succeeded(w, pdyn_restore(sim, "saved")));
     assert_true(pdyn_state_hash(sim) == w->hash[0]);
-    test_step(w->context, sim);
+    test_step(sim);
     pdyn_free(sim);
     test_remove_file("saved");
 }
@@ -208,10 +208,10 @@ static void test_late(void **state) {
     struct walk w = {.text = meeting};
     w.context = test_counting_context(1, &w.counter);
     pdyn_sim *sim = test_load(w.context, w.text);
-    for (int k = 0; k < LATE; k++) test_step(w.context, sim);
+    for (int k = 0; k < LATE; k++) test_step(sim);
     assert_true(succeeded(&w, pdyn_save(sim, "late")));
     w.hash[0] = pdyn_state_hash(sim);
-    test_step(w.context, sim);
+    test_step(sim);
     w.hash[1] = pdyn_state_hash(sim);
     pdyn_free(sim);
     long stride = getenv("PROJDYN_ALLOCATIONS") ? 1 : LATE_STRIDE;

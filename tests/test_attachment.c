@@ -39,7 +39,7 @@ static void test_weight(void **state) {
         pdyn_sim *sim = load(context, 10.0, -g, solvers[n], hanging);
         const double *rest = sim->body[1].rest;
         double given = 0.0, turn[2] = {0.0}, weight = 0.0;
-        for (int step = 0; step < 20; step++) test_step(context, sim);
+        for (int step = 0; step < 20; step++) test_step(sim);
         for (int i = 0; i < 4; i++) { /* the roof is tilted: the spring is not vertical */
             double force = g * sim->body[0].mass[i], x = sim->body[0].rest[3 * i];
             double slack = fabs(sim->x[3 * i + 1] - sim->body[0].rest[3 * i + 1]) - force / k;
@@ -53,9 +53,7 @@ static void test_weight(void **state) {
         }
         assert_true(fabs(given - weight) < 1e-6 * weight);
         assert_true(fabs(turn[1] - turn[0]) < 0.01 * weight);
-        pdyn_free(sim);
-        assert_int_equal(pdyn_bytes_in_use(context), 0);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -84,10 +82,9 @@ static void pull(double h, double damping, double p[6]) {
     pdyn_context *context = test_context(2);
     snprintf(bodies, sizeof bodies, pulled, damping);
     pdyn_sim *sim = load(context, h, 0.0, "auto", bodies);
-    while (sim->time < 0.1 - 0.5 * h) test_step(context, sim);
+    while (sim->time < 0.1 - 0.5 * h) test_step(sim);
     momentum(sim, p);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Momentum is conserved to rounding; the error of angular momentum is proportional to the step. */
@@ -117,15 +114,14 @@ static void test_seam(void **state) {
     const pdyn_batch *seam = &sim->objective.batch[2]->view;
     assert_int_equal(seam->elements, 9);
     for (int e = 0; e < 9; e++) assert_true(fabs(vec3_length(seam->u + 3 * e)) < 1e-15);
-    for (int n = 0; n < 500; n++) test_step(context, sim);
+    for (int n = 0; n < 500; n++) test_step(sim);
     for (int e = 0; e < 9; e++) {
         double gap[3] = {0};
         for (int k = 4 * e; k < 4 * e + 4; k++)
             vec3_add(gap, seam->coefficient[k], sim->x + 3 * seam->column[k]);
         assert_true(vec3_length(gap) < 1e-3);
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void test_memory(void **state) {
@@ -149,16 +145,14 @@ static void oscillate(double stretch, double damping, double highest[2]) {
         "  'stiffness': 10, 'length': %.17g, 'damping': %g}]}]}";
     char text[1024];
     snprintf(text, sizeof text, pair, 1.0 - stretch / 0.6, damping);
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, text);
+    pdyn_sim *sim = test_open(text);
     highest[0] = highest[1] = 0.0;
     for (int step = 0; step < 1000; step++) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         if (step < 100) highest[0] = fmax(highest[0], info.kinetic_energy);
         if (step >= 900) highest[1] = fmax(highest[1], info.kinetic_energy);
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* The default tolerance, a tenth of the weight, is more than the force of a spring that is hardly
@@ -208,18 +202,16 @@ static double hang_on_strap(const char *solver, bool drop, double y[STRAP_STEPS]
         "{'duration': 1, 'frame_interval': 1, 'time_step': {'fixed': 0.005}, 'solver': {'type': "
         "'%s', 'tolerance': 1e-4, 'outer_iterations': 100}, 'bodies': [%s%s]}";
     char text[4096];
-    pdyn_context *context = test_context(1);
     snprintf(text, sizeof text, frame, solver, hanging_box, drop ? falling : "");
-    pdyn_sim *sim = test_load(context, text);
+    pdyn_sim *sim = test_open(text);
     int outer = 0;
     for (int k = 0; k < STRAP_STEPS; k++) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         assert_true(info.step_residual <= 1e-4);
         outer += info.outer_iterations;
         y[k] = sim->x[1];
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return (double)outer / STRAP_STEPS;
 }
 

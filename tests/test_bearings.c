@@ -16,8 +16,7 @@
 
 /* A body on a wide floor, with default settings but for the step length, s, and more of them;
  * gravity is inclined by an angle, degrees. */
-static pdyn_sim *load(pdyn_context *context, const char *body, const char *more, double degrees,
-                      double h) {
+static pdyn_sim *load(const char *body, const char *more, double degrees, double h) {
     char text[1024];
     double angle = degrees * acos(-1.0) / 180.0;
     snprintf(text, sizeof text,
@@ -26,7 +25,7 @@ static pdyn_sim *load(pdyn_context *context, const char *body, const char *more,
              "[{'name': 'floor', 'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': "
              "20}}], 'bodies': [%s}]}",
              h, 9.81 * sin(angle), -9.81 * cos(angle), more, body);
-    return test_load(context, text);
+    return test_open(text);
 }
 
 static double mean_of(const pdyn_sim *sim, const double *value, int axis) {
@@ -35,20 +34,18 @@ static double mean_of(const pdyn_sim *sim, const double *value, int axis) {
     return sum / sim->body[0].count;
 }
 
-static void step_to(pdyn_context *context, pdyn_sim *sim, double time) {
-    while (pdyn_time(sim) < time - 1e-9) test_step(context, sim);
+static void step_to(pdyn_sim *sim, double time) {
+    while (pdyn_time(sim) < time - 1e-9) test_step(sim);
 }
 
 /* Acceleration down a slope from 0.5 to 1 s, m/s^2; *speed: at the end, m/s. */
 static double accelerate(const char *body, double degrees, double h, double *speed) {
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load(context, body, "", degrees, h);
-    step_to(context, sim, 0.5);
+    pdyn_sim *sim = load(body, "", degrees, h);
+    step_to(sim, 0.5);
     double before = mean_of(sim, sim->v, 0);
-    step_to(context, sim, 1.0);
+    step_to(sim, 1.0);
     *speed = mean_of(sim, sim->v, 0);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return (*speed - before) / 0.5;
 }
 
@@ -90,11 +87,10 @@ static void test_rebound(void **state) {
     (void)state;
     static const double h[] = {0.005, 0.0005};
     for (int k = 0; k < 2; k++) {
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim = load(context, BOX_AT("0.03") ", 'velocity': [0, -1.4, 0]", "", 0.0, h[k]);
+        pdyn_sim *sim = load(BOX_AT("0.03") ", 'velocity': [0, -1.4, 0]", "", 0.0, h[k]);
         double impulse = 0.0, force[3], moment[3], up = 0.0;
         while (pdyn_time(sim) < 1.0) {
-            test_step(context, sim);
+            test_step(sim);
             assert_int_equal(pdyn_solid_load(sim, 0, force, moment), PDYN_OK);
             impulse -= h[k] * force[1];
             up = fmax(up, mean_of(sim, sim->v, 1));
@@ -104,8 +100,7 @@ static void test_rebound(void **state) {
                       impulse, due);
         assert_true(up < 0.45 * 1.57);
         assert_true(fabs(impulse - due) < 0.01 * due);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -113,23 +108,19 @@ static void test_rebound(void **state) {
  */
 static void test_slot(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
+    pdyn_sim *sim = test_open(
         "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': 0.005}, 'contact': "
         "{'thickness': 0.004, 'friction': 0}, 'solids': [{'box': {'minimum': [-0.053, 0, -1], "
         "'maximum': [0.053, 2, 1]}}], 'bodies': [" BOX_AT("1.5") "}]}");
-    step_to(context, sim, 0.3);
+    step_to(sim, 0.3);
     assert_int_equal(sim->objective.dashpots->view.elements, 4);
     print_message("slot: %.4f m/s after 0.3 s\n", mean_of(sim, sim->v, 1));
     assert_true(fabs(mean_of(sim, sim->v, 1) + 0.3 * 9.81) < 0.01);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Height of the box over a floor that rises at a speed, m/s, after a second. */
 static double height_over(double speed) {
-    pdyn_context *context = test_context(1);
     char text[1024];
     snprintf(
         text, sizeof text,
@@ -138,11 +129,10 @@ static double height_over(double speed) {
         "[{'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 2}, 'motion': [{'time': "
         "0}, {'time': 1, 'translate': [0, %g, 0]}]}]}",
         speed, speed);
-    pdyn_sim *sim = test_load(context, text);
-    step_to(context, sim, 1.0);
+    pdyn_sim *sim = test_open(text);
+    step_to(sim, 1.0);
     double height = mean_of(sim, sim->x, 1) - speed;
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return height;
 }
 
@@ -181,10 +171,9 @@ static double energy_at(pdyn_sim *sim, double up, double *slope) {
 /* Its slope is the gradient, and it pulls with at most the weight of the box, 0.5 kg. */
 static void test_energy(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load(context, BOX, ", 'solver': {'tolerance': 1e-6}", 0.0, 0.005);
-    step_to(context, sim, 1.0);
-    test_step(context, sim);
+    pdyn_sim *sim = load(BOX, ", 'solver': {'tolerance': 1e-6}", 0.0, 0.005);
+    step_to(sim, 1.0);
+    test_step(sim);
     assert_int_equal(sim->objective.dashpots->view.elements, 4);
     static const double up[] = {-1e-3, 1e-5, 1e-4, 3e-3};
     for (int k = 0; k < 4; k++) {
@@ -195,8 +184,7 @@ static void test_energy(void **state) {
         assert_true(fabs(expected / (2.0 * d) - slope) < 1e-5 * (1.0 + fabs(slope)));
         assert_true(slope < 1.001 * 0.5 * 9.81 && (up[k] > 0.0 || slope < -1.0));
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

@@ -155,7 +155,7 @@ static void test_mean(void **state) {
 enum { AROUND = 16, ALONG = 6 };
 
 /* A third of a cylinder of radius 1 m with bending rigidity 3 N m. */
-static pdyn_sim *load_cylinder(pdyn_context *context) {
+static pdyn_sim *load_cylinder(void) {
     FILE *file = fopen("cylinder.obj", "w");
     double turn = 2.0 * acos(-1.0) / 3.0 / AROUND;
     for (int i = 0; i <= AROUND; i++)
@@ -168,9 +168,9 @@ static pdyn_sim *load_cylinder(pdyn_context *context) {
             else fprintf(file, "f %d %d %d %d\n", b, b + 1, a + 1, a);
         }
     assert_int_equal(fclose(file), 0);
-    pdyn_sim *sim = test_load(
-        context, "{'duration': 1, 'bodies': [{'surface': {'mesh': 'cylinder.obj', 'area_density': "
-                 "1}, 'constraints': [{'type': 'bending', 'bending_rigidity': 3}]}]}");
+    pdyn_sim *sim =
+        test_open("{'duration': 1, 'bodies': [{'surface': {'mesh': 'cylinder.obj', 'area_density': "
+                  "1}, 'constraints': [{'type': 'bending', 'bending_rigidity': 3}]}]}");
     test_remove_file("cylinder.obj");
     return sim;
 }
@@ -185,8 +185,7 @@ static double bending_energy(pdyn_sim *sim, const double *x) {
  * curvature, and curled to twice the curvature the same. */
 static void test_curved_rest(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load_cylinder(context);
+    pdyn_sim *sim = load_cylinder();
     static const double axes[9] = {0.36, 0.48, -0.8, -0.8, 0.6, 0, 0.48, 0.64, 0.6};
     double moved[3 * (AROUND + 1) * (ALONG + 1) + 1], turn = 2.0 * acos(-1.0) / 3.0 / AROUND;
     double area = AROUND * ALONG * turn * turn, expected = 1.5 * area;
@@ -207,8 +206,7 @@ static void test_curved_rest(void **state) {
                3 * sizeof *moved);
     }
     assert_near(bending_energy(sim, moved) / expected, 1.0, 0.15);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

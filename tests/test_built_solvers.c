@@ -21,12 +21,10 @@ static void test_names(void **state) {
 /* "auto" finds a solver in every build. */
 static void test_auto(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, SHEET("auto"));
-    test_step(context, sim);
+    pdyn_sim *sim = test_open(SHEET("auto"));
+    test_step(sim);
     assert_non_null(strstr(pdyn_solvers(), pdyn_solver_type(sim)));
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void ignore(void *user, const char *text) { (void)user, (void)text; }

@@ -86,9 +86,7 @@ static double *factor_twice(int threads, int n, bool lasting, bool compare) {
         free(A);
     }
     factor_end(&factor);
-    pdyn_free(sim);
-    assert_int_equal(pdyn_bytes_in_use(context), 0);
-    pdyn_destroy(context);
+    test_close(sim);
     free(x);
     return y;
 }
@@ -125,17 +123,15 @@ static int count_threads(void) {
 /* A scene of one thread takes one thread, also for supernodes (the newton step). */
 static void test_no_other_threads(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, SCENE("'duration': 1, 'solver': {'type': 'cholesky'}",
-                                             GRID_SHEET("", "1, 1", "30, 30", "'area_density': 0.2",
-                                                        PAIR(PAIR(SPRINGS("400"), BENDING("1e-4")),
-                                                             PINS("'vertices': [0, 29]"))),
-                                             ""));
+    pdyn_sim *sim = test_open(
+        SCENE("'duration': 1, 'solver': {'type': 'cholesky'}",
+              GRID_SHEET("", "1, 1", "30, 30", "'area_density': 0.2",
+                         PAIR(PAIR(SPRINGS("400"), BENDING("1e-4")), PINS("'vertices': [0, 29]"))),
+              ""));
     int before = count_threads();
     assert_int_equal(pdyn_step(sim, NULL), PDYN_OK);
     assert_int_equal(count_threads(), before);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

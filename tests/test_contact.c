@@ -43,11 +43,9 @@ static void assert_apart(const pdyn_sim *sim) {
 }
 
 static void run_apart(const char *text, int steps) {
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(c, text);
-    for (int k = 0; k < steps; k++) test_step(c, sim), assert_apart(sim);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    pdyn_sim *sim = test_open(text);
+    for (int k = 0; k < steps; k++) test_step(sim), assert_apart(sim);
+    test_close(sim);
 }
 
 /* ---- the test's own test --------------------------------------------------------------------- */
@@ -109,9 +107,7 @@ static struct trial start(const char *solver) {
 
 static void finish(struct trial *t) {
     free(t->x), free(t->gradient), free(t->u), free(t->y), free(t->z);
-    pdyn_free(t->sim);
-    assert_int_equal(pdyn_bytes_in_use(t->context), 0);
-    pdyn_destroy(t->context);
+    test_close(t->sim);
 }
 
 static double dot(const double *a, const double *b, int n) {
@@ -208,13 +204,11 @@ static void test_steps(void **state) {
     if (test_lacks_solver("cholesky")) skip();
     for (int k = 0; k < 2; k++) {
         const char *set[] = {solvers[k], "solver.tolerance=1e-7", "solver.linear_tolerance=1e-9"};
-        pdyn_context *c = test_context(1);
-        pdyn_sim *sim = test_load_with(c, scene("", DOWN, CLOTH_AT(5, 0.156), BALL), set, 3);
-        for (int s = 0; s < 10; s++) assert_true(test_step(c, sim).step_residual <= 1e-7);
+        pdyn_sim *sim = test_open_with(scene("", DOWN, CLOTH_AT(5, 0.156), BALL), set, 3);
+        for (int s = 0; s < 10; s++) assert_true(test_step(sim).step_residual <= 1e-7);
         assert_true(sim->objective.contact->current.view.count > 0);
         memcpy(x[k], sim->x, sizeof x[k]);
-        pdyn_free(sim);
-        pdyn_destroy(c);
+        test_close(sim);
     }
     assert_true(test_distance(x[0], x[1], 75) < 1e-6);
 }
@@ -232,14 +226,12 @@ static void test_long_steps(void **state) {
     (void)state;
     const char *set[] = {"time_step={\"fixed\": 0.2, \"integrator\": \"euler\"}",
                          "frame_interval=0.2", "solver.tolerance=0.1"};
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load_with(c, scene("", DOWN, CLOTH_AT(13, 0.18), BALL ", " FLOOR), set, 3);
+    pdyn_sim *sim = test_open_with(scene("", DOWN, CLOTH_AT(13, 0.18), BALL ", " FLOOR), set, 3);
     pdyn_step_info info = {0};
-    for (int k = 0; k < 8; k++) info = test_step(c, sim), assert_apart(sim);
+    for (int k = 0; k < 8; k++) info = test_step(sim), assert_apart(sim);
     assert_true(info.step_residual <= 0.1);
     assert_true(sim->x[1] < -0.07); /* a corner */
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 /* Falls on its edge, and on itself. */
@@ -261,37 +253,32 @@ static void test_stack(void **state) {
 /* 50 m/s: half a metre in a step, on a ball and a floor: nothing gets below it. */
 static void test_impact_long(void **state) {
     (void)state;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(
-        c, scene("", DOWN,
-                 "{'surface': {" GRID(11) ", " AT(0.3) "}, 'velocity': [0, -50, 0], " HELD "}",
-                 BALL ", " FLOOR));
+    pdyn_sim *sim = test_open(scene(
+        "", DOWN, "{'surface': {" GRID(11) ", " AT(0.3) "}, 'velocity': [0, -50, 0], " HELD "}",
+        BALL ", " FLOOR));
     for (int k = 0; k < 8; k++) {
-        test_step(c, sim), assert_apart(sim);
+        test_step(sim), assert_apart(sim);
         for (int i = 0; i < sim->objective.particles; i++) assert_true(sim->x[3 * i + 1] > -0.2);
     }
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 /* Two sheets at 100 m/s stop each other. In steps of 10 ms, half a metre, they would have the time
  * to go around each other's borders: there E is least. */
 static void test_head_on(void **state) {
     (void)state;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(c, scene("", "[0, 0, 0]",
-                                       "{'surface': {" GRID(9) ", " AT(
-                                           0.3) "}, 'velocity': [0, -50, 0], " HELD "},"
-                                                "{'surface': {" GRID(7) ", " AT(
-                                                    -0.3) "}, 'velocity': [3, 50, 0], " HELD "}",
-                                       ""));
+    pdyn_sim *sim = test_open(
+        scene("", "[0, 0, 0]",
+              "{'surface': {" GRID(9) ", " AT(0.3) "}, 'velocity': [0, -50, 0], " HELD "},"
+                                                   "{'surface': {" GRID(7) ", " AT(
+                                                       -0.3) "}, 'velocity': [3, 50, 0], " HELD "}",
+              ""));
     sim->scene.settings.h_fixed = 0.002;
-    for (int k = 0; k < 20; k++) test_step(c, sim), assert_apart(sim);
+    for (int k = 0; k < 20; k++) test_step(sim), assert_apart(sim);
     double speed = 0.0;
     for (int i = 0; i < 81; i++) speed += sim->v[3 * i + 1] / 81.0;
     assert_true(fabs(speed) < 20.0);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 /* Two soft cubes meet at 2 m/s. The result does not depend on a velocity that both have: 20 m/s
@@ -300,13 +287,12 @@ static void test_common_motion(void **state) {
     (void)state;
     double kinetic[2];
     for (int k = 0; k < 2; k++) {
-        pdyn_context *c = test_context(1);
-        pdyn_sim *sim = test_load(
-            c, scene("", "[0, 0, 0]", SOFT(-0.11, -0.03, 1) ", " SOFT(0.11, 0.03, -1), ""));
+        pdyn_sim *sim =
+            test_open(scene("", "[0, 0, 0]", SOFT(-0.11, -0.03, 1) ", " SOFT(0.11, 0.03, -1), ""));
         double common = k ? 20.0 : 0.0;
         for (int i = 0; i < sim->objective.particles; i++) sim->v[3 * i + 2] += common;
         for (int n = 0; n < 30; n++) {
-            assert_true(test_step(c, sim).step_residual < 1e-3);
+            assert_true(test_step(sim).step_residual < 1e-3);
             assert_apart(sim);
         }
         kinetic[k] = 0.0;
@@ -316,8 +302,7 @@ static void test_common_motion(void **state) {
             v[2] -= common;
             kinetic[k] += 0.5 * sim->objective.mass[i] * vec3_dot(v, v);
         }
-        pdyn_free(sim);
-        pdyn_destroy(c);
+        test_close(sim);
     }
     assert_true(fabs(kinetic[1] - kinetic[0]) < 0.02 * kinetic[0]);
 }
@@ -328,9 +313,7 @@ static void test_common_motion(void **state) {
 static void test_impact_iterations(void **state) {
     (void)state;
     int outer = 0;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(
-        c,
+    pdyn_sim *sim = test_open(
         scene("", DOWN,
               "{'surface': {" GRID(17) ", " AT(
                   0.2) "}, 'velocity': [0, -3, 0], " HELD "},"
@@ -338,10 +321,9 @@ static void test_impact_iterations(void **state) {
               BALL));
     sim->scene.settings.h_fixed = 0.005, sim->scene.settings.tolerance = 0.1;
     sim->scene.settings.linear_tolerance = 0.01;
-    for (int k = 0; k < 20; k++) outer += test_step(c, sim).outer_iterations;
+    for (int k = 0; k < 20; k++) outer += test_step(sim).outer_iterations;
     assert_in_range(outer, 1, 9 * 20);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 /* A ball comes up under a sheet that its border holds, and turns. */
@@ -359,47 +341,41 @@ static void test_moving(void **state) {
 /* A soft block falls on a plane along whose diagonal its own diagonals lie: parallel edges. */
 static void test_parallel(void **state) {
     (void)state;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(
-        c, quoted("{'duration': 1, 'contact': {'thickness': 0.005}, 'bodies': [{'volume': {'grid': "
-                  "{'size': [0.3, 0.2, 0.2], 'cells': [6, 4, 4]}, 'translate': [0, 0.12, 0], "
-                  "'density': 1000}, 'constraints': [{'type': 'tet', 'stiffness': 15e3, "
-                  "'volume_stiffness': 35e3}]}], 'solids': [{'plane': {'center': [0, 0, 0], "
-                  "'normal': [0, 1, 0], 'size': 4}}]}"));
-    for (int k = 0; k < 60; k++) assert_true(test_step(c, sim).step_residual <= 0.1);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    pdyn_sim *sim = test_open(
+        quoted("{'duration': 1, 'contact': {'thickness': 0.005}, 'bodies': [{'volume': {'grid': "
+               "{'size': [0.3, 0.2, 0.2], 'cells': [6, 4, 4]}, 'translate': [0, 0.12, 0], "
+               "'density': 1000}, 'constraints': [{'type': 'tet', 'stiffness': 15e3, "
+               "'volume_stiffness': 35e3}]}], 'solids': [{'plane': {'center': [0, 0, 0], "
+               "'normal': [0, 1, 0], 'size': 4}}]}"));
+    for (int k = 0; k < 60; k++) assert_true(test_step(sim).step_residual <= 0.1);
+    test_close(sim);
 }
 
 /* A press that closes: the cloth stays in between, the press waits. */
 static void test_press(void **state) {
     (void)state;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(
-        c, scene("", DOWN, CLOTH_AT(6, -0.19),
-                 FLOOR ", {'name': 'lid', 'plane': {'center': [0.1, -0.1, 0.2], 'normal': [0, 1, "
-                       "0], 'size': 2}, 'motion': [{'time': 0}, {'time': 0.1, 'translate': [0, "
-                       "-0.2, 0]}]}"));
-    for (int k = 0; k < 15; k++) test_step(c, sim), assert_apart(sim);
+    pdyn_sim *sim = test_open(
+        scene("", DOWN, CLOTH_AT(6, -0.19),
+              FLOOR ", {'name': 'lid', 'plane': {'center': [0.1, -0.1, 0.2], 'normal': [0, 1, "
+                    "0], 'size': 2}, 'motion': [{'time': 0}, {'time': 0.1, 'translate': [0, "
+                    "-0.2, 0]}]}"));
+    for (int k = 0; k < 15; k++) test_step(sim), assert_apart(sim);
     const struct contact *contact = sim->objective.contact;
     double lid = contact->at[3 * contact->solid[1].first + 1];
     assert_true(lid > -0.2 && lid < -0.199);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 /* Two sheets between plates that close: they rest, and so do their velocities. */
 static void test_squeeze(void **state) {
     (void)state;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(
-        c, scene("", DOWN, CLOTH_AT(6, -0.195) ", " CLOTH_AT(7, -0.19),
-                 FLOOR ", {'name': 'lid', 'plane': {'center': [0.1, -0.18, 0.2], 'normal': [0, 1, "
-                       "0], 'size': 2}, 'motion': [{'time': 0}, {'time': 0.2, 'translate': [0, "
-                       "-0.016, 0]}]}"));
-    for (int k = 0; k < 40; k++) assert_true(test_step(c, sim).kinetic_energy < 0.1);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    pdyn_sim *sim = test_open(
+        scene("", DOWN, CLOTH_AT(6, -0.195) ", " CLOTH_AT(7, -0.19),
+              FLOOR ", {'name': 'lid', 'plane': {'center': [0.1, -0.18, 0.2], 'normal': [0, 1, "
+                    "0], 'size': 2}, 'motion': [{'time': 0}, {'time': 0.2, 'translate': [0, "
+                    "-0.016, 0]}]}"));
+    for (int k = 0; k < 40; k++) assert_true(test_step(sim).kinetic_energy < 0.1);
+    test_close(sim);
 }
 
 /* ---- conservation, bits, memory -------------------------------------------------------------- */
@@ -414,19 +390,17 @@ static const char *collision(void) {
 
 static void test_momentum(void **state) {
     (void)state;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(c, collision());
-    pdyn_step_info info = test_step(c, sim);
+    pdyn_sim *sim = test_open(collision());
+    pdyn_step_info info = test_step(sim);
     double before[3], lost = 0.0;
     memcpy(before, info.momentum, sizeof before);
     for (int k = 0; k < 20; k++) {
-        info = test_step(c, sim);
+        info = test_step(sim);
         for (int a = 0; a < 3; a++) lost = fmax(lost, fabs(info.momentum[a] - before[a]));
     }
     assert_true(sim->v[3 * 81 + 1] < -0.5); /* the one at rest was hit */
     assert_true(lost < 1e-13);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 static void test_threads(void **state) {
@@ -437,11 +411,10 @@ static void test_threads(void **state) {
         pdyn_context *c = test_context(threads[n]);
         pdyn_sim *sim =
             test_load(c, scene("", DOWN, CLOTH_AT(21, 0.16) ", " CLOTH_AT(20, 0.17), BALL));
-        for (int k = 0; k < 8; k++) test_step(c, sim);
+        for (int k = 0; k < 8; k++) test_step(sim);
         hash[n] = pdyn_state_hash(sim);
         assert_true(hash[n] == hash[0]);
-        pdyn_free(sim);
-        pdyn_destroy(c);
+        test_close(sim);
     }
 }
 
@@ -451,12 +424,11 @@ static void test_allocations(void **state) {
     struct counter counted;
     pdyn_context *c = test_counting_context(1, &counted);
     pdyn_sim *sim = test_load(c, scene("", DOWN, CLOTH_AT(9, -0.195), FLOOR));
-    for (int k = 0; k < 30; k++) test_step(c, sim);
+    for (int k = 0; k < 30; k++) test_step(sim);
     test_allow(&counted, 0);
-    for (int k = 0; k < 5; k++) test_step(c, sim);
+    for (int k = 0; k < 5; k++) test_step(sim);
     test_allow(&counted, -1);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
     test_failing_scene(scene("", DOWN, CLOTH_AT(4, 0.16) ", " CLOTH_AT(3, 0.163), BALL));
 }
 
@@ -467,19 +439,16 @@ static double slide(double angle, double friction, int steps) {
     char more[64], gravity[128];
     snprintf(more, sizeof more, ", 'friction': %.17g", friction);
     snprintf(gravity, sizeof gravity, "[%.17g, %.17g, 0]", 9.81 * sin(angle), -9.81 * cos(angle));
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(
-        c, scene(more, gravity,
-                 "{'surface': {" GRID(4) ", 'rotate': [0, 25, 0], " AT(-0.19601) "}, " HELD "}",
-                 FLOOR));
+    pdyn_sim *sim = test_open(scene(
+        more, gravity,
+        "{'surface': {" GRID(4) ", 'rotate': [0, 25, 0], " AT(-0.19601) "}, " HELD "}", FLOOR));
     double speed[2];
     for (int k = 1; k <= steps; k++) {
-        pdyn_step_info info = test_step(c, sim);
+        pdyn_step_info info = test_step(sim);
         if (k == steps - 30 || k == steps) speed[k == steps] = info.momentum[0] / 0.05;
         assert_true(info.step_residual < 1e-3);
     }
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
     return (speed[1] - speed[0]) / 0.3;
 }
 
@@ -503,18 +472,16 @@ static double land(const char *body, double mu, const char *integrator) {
              "'%s'}, 'solver': {'tolerance': 1e-3}, 'contact': {'thickness': 0.004, 'friction': "
              "%g}, 'solids': [" FLOOR "], 'bodies': [{%s, 'velocity': [4, -2, 0]}]}",
              integrator, mu, body);
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(c, text);
+    pdyn_sim *sim = test_open(text);
     double mass = 0.0, momentum[2];
     for (int i = 0; i < sim->objective.particles; i++) mass += sim->objective.mass[i];
     for (int k = 0; k < 60; k++) {
-        pdyn_step_info info = test_step(c, sim);
+        pdyn_step_info info = test_step(sim);
         assert_true(info.step_residual < 1e-3);
         momentum[0] = info.momentum[0], momentum[1] = info.momentum[1];
     }
     double time = pdyn_time(sim);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
     return (4.0 * mass - momentum[0]) / (momentum[1] + mass * (2.0 + 9.81 * time));
 }
 
@@ -561,14 +528,12 @@ static void test_first_step(void **state) {
                  "[{'surface': {" GRID(5) ", 'translate': [0, -0.1963, 0], 'area_density': 0.2}, "
                                           "'velocity': [2, 0, 0], " HELD "}]}",
                  h);
-        pdyn_context *c = test_context(1);
-        pdyn_sim *sim = test_load(c, text);
+        pdyn_sim *sim = test_open(text);
         double from = sim->x[0], exact = 4.0 / (2.0 * 0.3 * 9.81);
-        while (pdyn_time(sim) < 1.0) test_step(c, sim);
+        while (pdyn_time(sim) < 1.0) test_step(sim);
         printf("%g s: slides %.3f m of %.3f m\n", h, sim->x[0] - from, exact);
         assert_true(fabs(sim->x[0] - from - exact) < 0.05 * exact);
-        pdyn_free(sim);
-        pdyn_destroy(c);
+        test_close(sim);
     }
 }
 
@@ -637,16 +602,14 @@ static void test_boxes_that_overlap(void **state) {
 /* Without contact with itself, a sheet may pass itself and nothing else. */
 static void test_not_self(void **state) {
     (void)state;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(c, scene(", 'self': false", DOWN, CLOTH_AT(9, -0.1), FLOOR));
-    for (int k = 0; k < 40; k++) test_step(c, sim);
+    pdyn_sim *sim = test_open(scene(", 'self': false", DOWN, CLOTH_AT(9, -0.1), FLOOR));
+    for (int k = 0; k < 40; k++) test_step(sim);
     const struct contact *contact = sim->objective.contact;
     assert_true(contact->current.view.count >= 81);
     for (int k = 0; k < contact->pairs.count; k++)
         assert_true(contact->group[contact->pairs.pair[k].point[3]] == 1 ||
                     contact->group[contact->pairs.pair[k].point[0]] == 1);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 /* ---- failed steps ---------------------------------------------------------------------------- */
@@ -656,13 +619,12 @@ static void test_failed_step(void **state) {
     (void)state;
     static const double speeds[2] = {NAN, 1e20}; /* m/s */
     for (int k = 0; k < 2; k++) {
-        pdyn_context *c = test_context(1);
-        pdyn_sim *sim = test_load(
-            c, scene("", DOWN, CLOTH_AT(9, 0.11),
-                     "{'sphere': {'center': [0, 0, 0], 'radius': 0.1}, 'motion': [{'time': 0}, "
-                     "{'time': 1, 'translate': [0, 5, 0]}]}"));
+        pdyn_sim *sim = test_open(
+            scene("", DOWN, CLOTH_AT(9, 0.11),
+                  "{'sphere': {'center': [0, 0, 0], 'radius': 0.1}, 'motion': [{'time': 0}, "
+                  "{'time': 1, 'translate': [0, 5, 0]}]}"));
         sim->scene.settings.retries = 0;
-        test_step(c, sim);
+        test_step(sim);
         const double *ball = contact_solid_at(sim->objective.contact, 0);
         double before[3], velocity = sim->v[1];
         memcpy(before, ball, sizeof before);
@@ -671,8 +633,7 @@ static void test_failed_step(void **state) {
         assert_true(vec3_distance(before, ball) == 0.0);
         sim->v[1] = velocity;
         assert_apart(sim);
-        pdyn_free(sim);
-        pdyn_destroy(c);
+        test_close(sim);
     }
 }
 
@@ -682,16 +643,15 @@ static void test_failed_step(void **state) {
  * then steps of at most twice the thickness; all are solved, and the ball is on time. */
 static void test_fast_solid(void **state) {
     (void)state;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(
-        c, "{'duration': 1, 'frame_interval': 1, 'contact': {'thickness': 0.01}, 'gravity': [0, 0, "
-           "0], 'bodies': [{'surface': {'grid': {'size': [0.6, 0.6], 'vertices': [16, 16]}, "
-           "'area_density': 0.3}, 'constraints': [{'type': 'triangle', 'stretching_stiffness': "
-           "1000}]}], 'solids': [{'sphere': {'center': [0, -0.6, 0], 'radius': 0.1}, 'motion': "
-           "[{'time': 0}, {'time': 1, 'translate': [0, 10, 0]}]}]}");
+    pdyn_sim *sim = test_open(
+        "{'duration': 1, 'frame_interval': 1, 'contact': {'thickness': 0.01}, 'gravity': [0, 0, "
+        "0], 'bodies': [{'surface': {'grid': {'size': [0.6, 0.6], 'vertices': [16, 16]}, "
+        "'area_density': 0.3}, 'constraints': [{'type': 'triangle', 'stretching_stiffness': "
+        "1000}]}], 'solids': [{'sphere': {'center': [0, -0.6, 0], 'radius': 0.1}, 'motion': "
+        "[{'time': 0}, {'time': 1, 'translate': [0, 10, 0]}]}]}");
     double longest = 0.0, shortest = 1.0, due = 0.0;
     while (pdyn_time(sim) < 0.08) {
-        pdyn_step_info info = test_step(c, sim);
+        pdyn_step_info info = test_step(sim);
         longest = fmax(longest, info.h), shortest = fmin(shortest, info.h);
         assert_true(info.step_residual <= 0.1);
         assert_false(sim->objective.contact->lagging);
@@ -700,8 +660,7 @@ static void test_fast_solid(void **state) {
     print_message("steps of %.2g to %.2g s, the sheet is %.2f m high\n", shortest, longest, due);
     assert_true(longest > 0.004 && shortest < 0.0021);
     assert_true(due > 10.0 * 0.08 - 0.6 + 0.1);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 /* ---- the default stiffness ------------------------------------------------------------------- */
@@ -729,14 +688,11 @@ static void test_default(void **state) {
         {"", DOWN, CLOTH_AT(9, 0) ", " COLUMN, 1000 * g * 20.2 * 0.25 / 81 / thickness},
     };
     for (int k = 0; k < COUNT(cases); k++) {
-        pdyn_context *c = test_context(1);
-        pdyn_sim *sim =
-            test_load(c, scene(cases[k].more, cases[k].gravity, cases[k].bodies, FLOOR));
+        pdyn_sim *sim = test_open(scene(cases[k].more, cases[k].gravity, cases[k].bodies, FLOOR));
         double found = pdyn_contact_stiffness(sim);
         if (!(fabs(found / cases[k].expected - 1.0) < 1e-6))
             fail_msg("case %d: %.9g N/m, expected %.9g", k, found, cases[k].expected);
-        pdyn_free(sim);
-        pdyn_destroy(c);
+        test_close(sim);
     }
 }
 

@@ -41,11 +41,7 @@ static struct trial start(pdyn_context *x, int budget) {
     return t;
 }
 
-static void finish(struct trial *t) {
-    pdyn_free(t->sim);
-    assert_int_equal(pdyn_bytes_in_use(t->context), 0);
-    pdyn_destroy(t->context);
-}
+static void finish(struct trial *t) { test_close(t->sim); }
 
 static int compare_keys(const void *a, const void *b) {
     const struct pair *p = a, *q = b;
@@ -175,7 +171,7 @@ static void check_steps(int budget) {
     int live = 0;
     check_list(t.contact);
     for (int k = 0; k < 40; k++) {
-        test_step(t.context, t.sim);
+        test_step(t.sim);
         if (k % 8 == 0) assert_int_equal(t.contact->current.view.count, count_contacts(t.contact));
         check_list(t.contact);
     }

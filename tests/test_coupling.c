@@ -41,8 +41,7 @@ static void check_rows(struct objective *objective, const double *x, const doubl
  * forces on sheet and water are opposite. */
 static void test_forces(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, drop);
+    pdyn_sim *sim = test_open(drop);
     struct objective *objective = &sim->objective;
     int n = 3 * objective->particles;
     double *x = test_vector(n), *u = test_vector(n), *moved = test_vector(n), *g = test_vector(n),
@@ -73,8 +72,7 @@ static void test_forces(void **state) {
     assert_true(vec3_length(moment) < 1e-8 * size); /* pairs are stored in float */
     check_rows(objective, x, u, g);
     free(x), free(u), free(moved), free(g), free(other);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* cholesky and cg give the same result. */
@@ -83,16 +81,14 @@ static void test_solvers(void **state) {
     double x[2][3];
     if (test_lacks_solver("cholesky")) skip();
     for (int k = 0; k < 2; k++) {
-        pdyn_context *context = test_context(1);
         const char *const set[] = {k ? "solver.type=cholesky" : "solver.type=cg",
                                    "solver.tolerance=1e-8", "solver.outer_iterations=40",
                                    "solver.linear_tolerance=1e-4",
                                    "bodies.water.particles.radius=0.0125"};
-        pdyn_sim *sim = test_load_with(context, drop, set, 5);
-        for (int step = 0; step < 6; step++) test_step(context, sim);
+        pdyn_sim *sim = test_open_with(drop, set, 5);
+        for (int step = 0; step < 6; step++) test_step(sim);
         memcpy(x[k], sim->x + 3 * (sim->body[1].first + 14), sizeof x[k]);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
     assert_true(vec3_distance(x[0], x[1]) < 1e-7);
 }
@@ -131,11 +127,9 @@ static void assert_limits(pdyn_sim *sim) {
           "")
 
 static double first_step(const char *scene) {
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, scene);
-    double h = test_step(context, sim).h;
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    pdyn_sim *sim = test_open(scene);
+    double h = test_step(sim).h;
+    test_close(sim);
     return h;
 }
 
@@ -153,11 +147,10 @@ static void test_step_length(void **state) {
  * particle spacings per step. The prediction lies behind the water; the step must not end there. */
 static void test_fast_sheet(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
     const char *const set[] = {"time_step.cfl=5"};
-    pdyn_sim *sim = test_load_with(context, FAST_SHEET("0"), set, 1);
+    pdyn_sim *sim = test_open_with(FAST_SHEET("0"), set, 1);
     const pdyn_body *water = &sim->body[0], *sheet = &sim->body[1];
-    for (int step = 0; step < 2; step++) test_step(context, sim);
+    for (int step = 0; step < 2; step++) test_step(sim);
     for (int i = 0; i < water->count; i++) {
         int nearest = sheet->first;
         double least = INFINITY;
@@ -169,27 +162,24 @@ static void test_fast_sheet(void **state) {
         assert_true(sim->x[3 * i + 1] > sim->x[3 * nearest + 1]);
     }
     assert_limits(sim);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* ---- momentum -------------------------------------------------------------------------------- */
 
 /* Linear momentum is conserved for any number of iterations. */
 static void keeps_momentum(const char *outer, const char *linear) {
-    pdyn_context *context = test_context(1);
     const char *const set[] = {outer, linear, "duration=100"};
     pdyn_step_info info;
     double begin[3] = {0}, size = 0.0;
-    pdyn_sim *sim = test_load_with(context, drop, set, 3);
+    pdyn_sim *sim = test_open_with(drop, set, 3);
     for (int i = 0; i < sim->objective.particles; i++) {
         vec3_add(begin, sim->objective.mass[i], sim->v + 3 * i);
         size += sim->objective.mass[i] * vec3_length(sim->v + 3 * i);
     }
-    for (int step = 0; step < 1000; step++) info = test_step(context, sim);
+    for (int step = 0; step < 1000; step++) info = test_step(sim);
     assert_true(vec3_distance(info.momentum, begin) < 1e-12 * size);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void test_momentum(void **state) {
@@ -213,8 +203,7 @@ static void sum_up(const pdyn_sim *sim, double linear[3], double angular[3], dou
  * unchanged. */
 static void test_viscosity(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, drop);
+    pdyn_sim *sim = test_open(drop);
     int n = 3 * sim->objective.particles;
     double p[2][3], l[2][3], energy[2], *before = test_vector(n), spin[3] = {1, 2, 3};
     uint64_t seed = 4;
@@ -232,21 +221,18 @@ static void test_viscosity(void **state) {
     batch_velocity(sim->objective.batch[0], sim->v);
     assert_true(test_distance(before, sim->v, n) < 1e-8);
     free(before);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A granted density falls by a tenth with every step. */
 static void test_grant_decays(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, drop);
+    pdyn_sim *sim = test_open(drop);
     double *granted = (double *)objective_lists(&sim->objective)->granted;
     granted[0] = 0.1;
-    for (int step = 0; step < 5; step++) test_step(context, sim);
+    for (int step = 0; step < 5; step++) test_step(sim);
     assert_true(fabs(granted[0] - 0.1 * pow(0.9, 5)) < 1e-12);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* ---- sides ----------------------------------------------------------------------------------- */
@@ -270,9 +256,8 @@ static void test_grant_decays(void **state) {
 static int densities(const char *text, int vertices, const char *solids, double *density) {
     char grid[64];
     const char *const set[] = {grid, solids};
-    pdyn_context *context = test_context(1);
     snprintf(grid, sizeof grid, "bodies.sheet.surface.grid.vertices=[%d, %d]", vertices, vertices);
-    pdyn_sim *sim = test_load_with(context, text, set, 2);
+    pdyn_sim *sim = test_open_with(text, set, 2);
     int n = sim->body[0].count;
     for (int i = n; i < sim->objective.particles; i++)
         sim->x[3 * i + 1] = 0.002 * sin(60.0 * sim->x[3 * i] + 40.0 * sim->x[3 * i + 2]);
@@ -280,8 +265,7 @@ static int densities(const char *text, int vertices, const char *solids, double 
     assert_int_equal(objective_build_lists(&sim->objective, sim->x), PDYN_OK);
     energy_at(sim, sim->x, sim->gradient);
     sim->objective.batch[0]->type->matrix_free->density(sim->objective.batch[0]->op, density);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return n;
 }
 
@@ -353,8 +337,7 @@ static struct seen see_through_sheet(const char *change) {
             seen.across++, seen.through += fmax(fabs(x), z) < 0.04 - 1e-9;
             seen.east += x > 0.0 && x < 0.05 && z < 0.04;
         }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return seen;
 }
 
@@ -411,19 +394,17 @@ static int above(const pdyn_sim *sim, const double *p) {
 /* Water above a sheet stays above it at any speed, step and accuracy of the solve. */
 static void test_impact(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, impact);
+    pdyn_sim *sim = test_open(impact);
     double lowest = 0.0;
     for (int step = 0; step < 12; step++) {
-        test_step(context, sim);
+        test_step(sim);
         for (int i = 0; i < sim->body[0].count; i++) {
             if (above(sim, sim->x + 3 * i) % 2) fail_msg("particle %d, step %d", i, step);
             lowest = fmin(lowest, sim->x[3 * i + 1]);
         }
     }
     assert_true(lowest < -0.02); /* the water has reached the sheet */
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 struct start {
@@ -445,14 +426,12 @@ static void note_start(void *user, const pdyn_iteration *iteration) {
 /* Water that a sheet stops is not compressed by the water that follows. */
 static void test_start(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, impact); /* at the start no constraint has energy */
+    pdyn_sim *sim = test_open(impact); /* at the start no constraint has energy */
     struct start start = {.sim = sim};
     pdyn_observe(sim, note_start, &start);
-    test_step(context, sim);
+    test_step(sim);
     assert_true(start.energy < start.standing);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

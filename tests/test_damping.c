@@ -49,7 +49,7 @@ static void breathe(const char *type, double stiffness) {
     double middle[3] = {0.5, sqrt(1.0 / 12.0), 0.0}, s = 1.0, rate = 0.5;
     for (int i = 0; i < 9; i++) sim->v[i] = rate * (sim->x[i] - middle[i % 3]);
     for (int n = 0; n < 200; n++) {
-        test_step(context, sim);
+        test_step(sim);
         double next = (s + h * rate + h * h * k * (1.0 + damping * s / h)) /
                       (1.0 + h * h * k * (1.0 + damping / h));
         rate = (next - s) / h, s = next;
@@ -87,7 +87,7 @@ static void strain(const char *scene, const char *constraint, double k, double A
     }
     k /= inertia;
     for (int n = 0; n < 60; n++) {
-        test_step(context, sim);
+        test_step(sim);
         double next =
             (s + h * rate + h * h * k * damping / h * s) / (1.0 + h * h * k * (1.0 + damping / h));
         rate = (next - s) / h, s = next, largest = fmax(largest, fabs(s));
@@ -149,7 +149,7 @@ static void fold(const char *integrator, double own) {
     double period = 2.0 * acos(-1.0) / sqrt(omega2), first = 0.0, last = 0.0;
     int steps = (int)lround(period / h);
     for (int n = 0; n < 5 * steps; n++) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         double energy = info.kinetic_energy + info.constraint_energy;
         if (n < steps) first += energy;
         if (n >= 4 * steps) last += energy;
@@ -238,7 +238,7 @@ static void test_rotation(void **state) {
             sim->v[3 * i] = 5.0 * sim->x[3 * i + 2];
             sim->v[3 * i + 2] = -5.0 * sim->x[3 * i];
         }
-        for (int n = 0; n < 100; n++) test_step(context, sim);
+        for (int n = 0; n < 100; n++) test_step(sim);
         double side = vec3_distance(sim->x, sim->x + 6);
         if (side > 1.005) fail_msg("%s: a side is %g times as long", constraints[c], side);
         pdyn_free(sim);

@@ -317,7 +317,7 @@ static void test_unsolved_steps_keep_the_motion(void **state) {
     const char *set[] = {K "1e9", "time_step.integrator=euler"};
     pdyn_step_info info = {0};
     pdyn_sim *sim = test_load_with(context, scene, set, 2);
-    for (int k = 0; k < 40; k++) info = test_step(context, sim);
+    for (int k = 0; k < 40; k++) info = test_step(sim);
     pdyn_free(sim);
     double fall = 0.5 * 0.2 * pow(9.81 * info.time, 2.0);
     if (!(info.kinetic_energy > 0.8 * fall))
@@ -330,7 +330,7 @@ static double bounce(const char *iterations) {
     const char *set[] = {"time_step={\"fixed\": 0.005}", iterations};
     pdyn_step_info info = {0};
     pdyn_sim *sim = test_load_with(context, BOTH_OF, set, 2);
-    for (int k = 0; k < 100; k++) info = test_step(context, sim);
+    for (int k = 0; k < 100; k++) info = test_step(sim);
     pdyn_free(sim);
     return info.kinetic_energy;
 }
@@ -347,10 +347,9 @@ static void warns(const char *scene, const char *set, const char *text) {
     struct warnings warnings = {.text = text};
     pdyn_context *warned = test_warned_context(1, &warnings);
     pdyn_sim *sim = test_load_with(warned, scene, &set, 1);
-    for (int k = 0; k < 3; k++) test_step(warned, sim);
+    for (int k = 0; k < 3; k++) test_step(sim);
     assert_int_equal(warnings.count, 1);
-    pdyn_free(sim);
-    pdyn_destroy(warned);
+    test_close(sim);
 }
 
 static void test_warnings(void **state) {

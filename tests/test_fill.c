@@ -264,7 +264,7 @@ static void test_overlap(void **state) {
         fill_beside("", "", "{'sphere': {'center': [0.5, 0.5, 0.5], 'radius': 0.445}}"),
         outside_of_ball(0.445)); /* with almost half of the particles */
     assert_int_equal(fill_beside("'overlap': 'keep',", "", ball), -1);
-    assert_error(context, "particles overlap solid \"ball\"");
+    assert_error("particles overlap solid \"ball\"");
     /* a moving solid, at time 0 out of the water */
     assert_int_equal(
         fill_beside(

@@ -37,7 +37,7 @@ static double carried(const char *text, int threads, int steps, double *x) {
     pdyn_sim *sim = test_load(context, text);
     const pdyn_body *sheet = &sim->body[1];
     double along = 0.0, across = 0.0, mass = 0.0;
-    for (int step = 0; step < steps; step++) test_step(context, sim);
+    for (int step = 0; step < steps; step++) test_step(sim);
     for (int i = sheet->first; i < sheet->first + sheet->count; i++) {
         const double *v = sim->v + 3 * i;
         along += sim->objective.mass[i] * (0.8 * v[0] + 0.6 * v[2]);
@@ -47,8 +47,7 @@ static double carried(const char *text, int threads, int steps, double *x) {
     assert_true(fabs(across / mass) < 1e-3);
     assert_load_of_fluid(sim);
     if (x) memcpy(x, sim->x, 3 * (size_t)sim->objective.particles * sizeof *x);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return along / mass;
 }
 
@@ -66,9 +65,9 @@ static void test_carried(void **state) {
 }
 
 /* Friction coefficient times wet area, both sides together, after a step, N s/m. */
-static double friction_rate(pdyn_context *context, pdyn_sim *sim) {
+static double friction_rate(pdyn_sim *sim) {
     double sum = 0.0;
-    test_step(context, sim);
+    test_step(sim);
     const pdyn_wet_sides *wet = &sim->objective.wet_sides->view;
     for (int e = 0; e < wet->count; e++) sum += wet->side[e].along;
     return sum;
@@ -77,17 +76,15 @@ static double friction_rate(pdyn_context *context, pdyn_sim *sim) {
 /* The area is that of the stretched sheet. */
 static void test_stretched(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, STREAM("euler", UPPER ", " LOWER));
+    pdyn_sim *sim = test_open(STREAM("euler", UPPER ", " LOWER));
     const pdyn_body *sheet = &sim->body[1];
-    double rest = friction_rate(context, sim);
+    double rest = friction_rate(sim);
     for (int i = sheet->first; i < sheet->first + sheet->count; i++) sim->x[3 * i] *= 1.5;
-    double stretched = friction_rate(context, sim);
+    double stretched = friction_rate(sim);
     print_message("%g N s/m at rest, %g stretched by a half\n", rest, stretched);
     assert_true(fabs(rest / (2.0 * 2.0 * 0.04) - 1.0) < 0.01);
     assert_true(fabs(stretched / rest / 1.5 - 1.0) < 0.01);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static struct batch *slip_of(const pdyn_sim *sim) {
@@ -102,7 +99,7 @@ static void test_friction(void **state) {
     (void)state;
     pdyn_context *context = test_context(3);
     pdyn_sim *sim = test_load(context, STREAM("bdf2", UPPER ", " LOWER));
-    for (int step = 0; step < 5; step++) test_step(context, sim);
+    for (int step = 0; step < 5; step++) test_step(sim);
     struct batch *friction = slip_of(sim);
     int n = 3 * sim->objective.particles;
     double *x = test_vector(n), *g = test_vector(n), *other = test_vector(n), *u = test_vector(n),
@@ -125,8 +122,7 @@ static void test_friction(void **state) {
     assert_int_equal(batch_local(friction, x, other), PDYN_OK);
     assert_true(fabs(friction->energy / energy - 1.0) < 1e-9);
     free(x), free(g), free(other), free(u);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Every solver gives the same result; a failing allocator gives an error at each call. */
@@ -137,15 +133,13 @@ static void test_friction_solvers_long(void **state) {
     double along[4];
     for (int k = 0; k < 4; k++) {
         if (test_lacks_solver(solver[k])) continue;
-        pdyn_context *context = test_context(1);
         const char *const set[] = {solver[k], "solver.outer_iterations=200",
                                    "bodies.water.constraints.fluid.stiffness=0.01"};
-        pdyn_sim *sim = test_load_with(context, STREAM("bdf2", UPPER), set, 3);
-        for (int step = 0; step < 3; step++) test_step(context, sim);
+        pdyn_sim *sim = test_open_with(STREAM("bdf2", UPPER), set, 3);
+        for (int step = 0; step < 3; step++) test_step(sim);
         along[k] = sim->v[3 * sim->body[1].first];
         assert_true(fabs(along[k] / along[0] - 1.0) < 1e-4);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
     test_failing_scene(STREAM("bdf2", UPPER));
 }
@@ -158,11 +152,9 @@ static void test_friction_threads(void **state) {
     carried(STREAM("bdf2", UPPER ", " LOWER), 3, 10, three);
     assert_memory_equal(one, three, 6000 * sizeof *one);
     free(one), free(three);
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, DROP_AND_SHEET);
+    pdyn_sim *sim = test_open(DROP_AND_SHEET);
     assert_null(sim->objective.wet_sides);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

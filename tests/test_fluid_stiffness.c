@@ -93,8 +93,7 @@ static void test_formula(void **state) {
     (void)state;
     double c = lattice_squares();
     for (int k = 0; k < COUNT(scenes); k++) {
-        pdyn_context *own = test_context(1);
-        pdyn_sim *sim = test_load(own, scenes[k].text);
+        pdyn_sim *sim = test_open(scenes[k].text);
         double rho = scenes[k].density, pressure = rho * scenes[k].gravity * scenes[k].head;
         double w = 1e5, speed = scenes[k].sound_speed, length = c * scenes[k].spacing;
         if (scenes[k].compression > 0.0) w = length * pressure / scenes[k].compression;
@@ -102,8 +101,7 @@ static void test_formula(void **state) {
         assert_near(k, "stiffness", parameter(sim, "stiffness"), w);
         assert_near(k, "compression", parameter(sim, "compression"), length * pressure / w);
         assert_near(k, "speed of sound", parameter(sim, "sound_speed"), sqrt(w / length / rho));
-        pdyn_free(sim);
-        pdyn_destroy(own);
+        test_close(sim);
     }
 }
 
@@ -146,12 +144,11 @@ static void test_default(void **state) {
 static void test_settled_tank(void **state) {
     (void)state;
     const double depth = 0.4, spacing = 0.02, compression = 0.002;
-    pdyn_context *own = test_context(1);
-    pdyn_sim *sim = test_load(own, FLUID(BLOCK, C, TANK("0")));
+    pdyn_sim *sim = test_open(FLUID(BLOCK, C, TANK("0")));
     const pdyn_state s = pdyn_get_state(sim);
     double found = 0.0, expected = 0.0;
     while (pdyn_time(sim) < 1.5) {
-        pdyn_step_info info = test_step(own, sim);
+        pdyn_step_info info = test_step(sim);
         for (int i = 0; i < s.particles && info.time > 1.0; i++) {
             double y = s.x[3 * i + 1];
             if (y < spacing || y > 6.0 * spacing) continue;
@@ -161,25 +158,22 @@ static void test_settled_tank(void **state) {
     }
     if (fabs(found / expected - 1.0) > 0.2)
         fail_msg("the deep layers have %.4g times the compression asked for", found / expected);
-    pdyn_free(sim);
-    pdyn_destroy(own);
+    test_close(sim);
 }
 
 /* Means of the density error and of the energy, J, of shallow water from 0.5 to 1 s. */
 static void settle(const char *text, double mean[2]) {
-    pdyn_context *own = test_context(1);
-    pdyn_sim *sim = test_load(own, text);
+    pdyn_sim *sim = test_open(text);
     double time = 0.0;
     mean[0] = mean[1] = 0.0;
     while (pdyn_time(sim) < 1.0) {
-        pdyn_step_info info = test_step(own, sim);
+        pdyn_step_info info = test_step(sim);
         if (info.time < 0.5) continue;
         time += info.h;
         mean[0] += info.h * info.density_error_mean, mean[1] += info.h * info.constraint_energy;
     }
     mean[0] /= time, mean[1] /= time;
-    pdyn_free(sim);
-    pdyn_destroy(own);
+    test_close(sim);
 }
 
 #define SHALLOW(damping)                                                                           \

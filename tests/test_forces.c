@@ -128,7 +128,7 @@ static void assert_balance(const char *text, int steps) {
     for (int i = 0; i < sim->objective.particles; i++)
         vec3_add(before, sim->objective.mass[i], sim->v + 3 * (size_t)i);
     for (int n = 0; n < steps; n++) {
-        pdyn_step_info info = test_step(c, sim);
+        pdyn_step_info info = test_step(sim);
         sum_external(sim, external);
         momentum = fmax(momentum, miss_of_momentum(sim, &info, before, external, weight));
         each = fmax(each, miss_of_particles(sim, weight));
@@ -140,8 +140,7 @@ static void assert_balance(const char *text, int steps) {
                   "residual %.1g\n",
                   most, momentum, each, residual);
     assert_true(most > 0.2 && momentum < 1e-9 && each < 1e-9);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 static void test_balance(void **state) {
@@ -174,25 +173,23 @@ static void assert_internal(const pdyn_sim *sim, int k) {
 static void test_pins_in_impacts(void **state) {
     (void)state;
     int none = 0, all = 0;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, SCENE("'duration': 1, 'frame_interval': 0.1, 'time_step': {'fixed': 0.01}",
-                       PAIR(FLUID_BOX("'velocity': [0, 4, 0], ", "0.03", "-0.15, -0.4, -0.15",
-                                      "0.15, -0.25, 0.15", ", 'stiffness': 1e5"),
-                            GRID_SHEET("", "0.6, 0.6", "11, 11", "'area_density': 0.2",
-                                       PAIR(SPRINGS("1500"), PINS("'border': true")))),
-                       ""));
+    pdyn_sim *sim =
+        test_open(SCENE("'duration': 1, 'frame_interval': 0.1, 'time_step': {'fixed': 0.01}",
+                        PAIR(FLUID_BOX("'velocity': [0, 4, 0], ", "0.03", "-0.15, -0.4, -0.15",
+                                       "0.15, -0.25, 0.15", ", 'stiffness': 1e5"),
+                             GRID_SHEET("", "0.6, 0.6", "11, 11", "'area_density': 0.2",
+                                        PAIR(SPRINGS("1500"), PINS("'border': true")))),
+                        ""));
     const struct batch *pins = sim->objective.batch[sim->constraints - 1];
     assert_true(batch_pins(pins, &sim->body[1]));
     while (pdyn_time(sim) < 0.5) {
-        test_step(context, sim);
+        test_step(sim);
         assert_true(pins->left_out >= 0.0 && pins->left_out <= sim->left_out);
         if (!(vec3_length(sim->passed_on + 3) > 0.0)) continue;
         none += pins->left_out == 0.0, all += pins->left_out == sim->left_out;
     }
     assert_true(none > 0 && all > 0);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Water that a sheet drops into; nothing is held. */
@@ -208,22 +205,19 @@ static const char free_scene[] = SCENE(
 
 static void test_third_law(void **state) {
     (void)state;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(c, quoted(free_scene));
-    for (int n = 0; n < 6; n++) test_step(c, sim);
+    pdyn_sim *sim = test_open(quoted(free_scene));
+    for (int n = 0; n < 6; n++) test_step(sim);
     assert_int_equal(pdyn_get_state(sim).constraints, 4);
     for (int k = 0; k < 4; k++) assert_internal(sim, k);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 /* ---- elements -------------------------------------------------------------------------------- */
 
 /* The energies of the elements sum to that of the constraint. */
 static void assert_energies(const char *text) {
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(c, quoted(text));
-    for (int n = 0; n < 8; n++) test_step(c, sim);
+    pdyn_sim *sim = test_open(quoted(text));
+    for (int n = 0; n < 8; n++) test_step(sim);
     for (int k = 0; k < pdyn_get_state(sim).constraints; k++) {
         pdyn_constraint_info info = pdyn_get_constraint(sim, k);
         double *energy = calloc((size_t)info.elements, sizeof *energy), sum = 0.0;
@@ -233,8 +227,7 @@ static void assert_energies(const char *text) {
         if (!(fabs(sum - info.energy) <= 1e-9 * info.energy))
             fail_msg("%s: elements have %g J of %g J", info.type, sum, info.energy);
     }
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 static void test_energies(void **state) {
@@ -248,9 +241,8 @@ static void test_energies(void **state) {
 /* The distance of a spring is the change of its length. */
 static void test_springs(void **state) {
     (void)state;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(c, quoted(flag_scene));
-    for (int n = 0; n < 8; n++) test_step(c, sim);
+    pdyn_sim *sim = test_open(quoted(flag_scene));
+    for (int n = 0; n < 8; n++) test_step(sim);
     pdyn_body_info body = pdyn_get_body(sim, 0);
     double *distance = calloc((size_t)body.edges, sizeof *distance), most = 0.0;
     assert_int_equal(pdyn_element_values(sim, 0, NULL, distance), PDYN_OK);
@@ -264,8 +256,7 @@ static void test_springs(void **state) {
     }
     assert_true(most > 1e-5);
     free(distance);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 /* ---- calls ----------------------------------------------------------------------------------- */
@@ -295,13 +286,12 @@ static void test_untouched(void **state) {
             double *force = calloc(3 * (size_t)sim->objective.particles, sizeof *force);
             for (int n = 0; n < 15; n++) {
                 if (reads) read_all(sim, force);
-                test_step(c, sim);
+                test_step(sim);
                 if (reads) read_all(sim, force);
             }
             hash[reads] = pdyn_state_hash(sim);
             free(force);
-            pdyn_free(sim);
-            pdyn_destroy(c);
+            test_close(sim);
         }
         if (hash[0] != hash[1]) fail_msg("scene %d", s);
     }
@@ -316,12 +306,11 @@ static void test_threads(void **state) {
         pdyn_sim *sim = test_load(c, quoted(hammock_scene));
         size_t count = 3 * (size_t)sim->objective.particles;
         double *force = calloc(2 * count, sizeof *force);
-        for (int n = 0; n < 8; n++) test_step(c, sim);
+        for (int n = 0; n < 8; n++) test_step(sim);
         add_all_forces(sim, force, force + count);
         hash[t] = hash_bytes(HASH_BEGIN, force + count, count * sizeof *force);
         free(force);
-        pdyn_free(sim);
-        pdyn_destroy(c);
+        test_close(sim);
     }
     assert_true(hash[0] == hash[1]);
 }
@@ -338,11 +327,10 @@ static void assert_zero(const pdyn_sim *sim) {
 
 static void test_calls(void **state) {
     (void)state;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(c, quoted(hammock_scene));
+    pdyn_sim *sim = test_open(quoted(hammock_scene));
     double v[3], w[3];
     assert_zero(sim);
-    for (int n = 0; n < 4; n++) test_step(c, sim);
+    for (int n = 0; n < 4; n++) test_step(sim);
     assert_true(vec3_length(load_of(sim, 2).force) > 0.0);
     assert_int_equal(pdyn_constraint_load(sim, 3, v, w), PDYN_BAD_CALL);
     assert_int_equal(pdyn_constraint_load(sim, -1, v, w), PDYN_BAD_CALL);
@@ -355,8 +343,7 @@ static void test_calls(void **state) {
     assert_int_equal(pdyn_restore(sim, "state.pdyn"), PDYN_OK);
     assert_zero(sim);
     test_remove_file("state.pdyn");
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 /* ---- loads ----------------------------------------------------------------------------------- */
@@ -375,7 +362,7 @@ static void test_loads(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, pool_scene);
-    for (int step = 0; step < 20; step++) test_step(context, sim);
+    for (int step = 0; step < 20; step++) test_step(sim);
     const struct objective_body *water = &sim->objective.body[0], *sheet = water + 1;
     int n = sim->objective.particles;
     double *force = calloc(3 * (size_t)n, sizeof *force), squares = 0.0;
@@ -389,8 +376,7 @@ static void test_loads(void **state) {
     pdyn_free(sim);
     sim = test_load(context, tank_scene);
     assert_null(sim->objective.without_load); /* no scratch where there are no loads */
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

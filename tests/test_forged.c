@@ -68,7 +68,7 @@ static bool try_forged(pdyn_context *context, const char *text, pdyn_sim **sim,
     bool refused = status != PDYN_OK;
     if (refused) {
         assert_int_equal(status, PDYN_BAD_INPUT);
-        assert_error(context, "state");
+        assert_error("state");
     }
     status = pdyn_step(*sim, NULL);
     if (refused) assert_true(status == PDYN_OK && pdyn_state_hash(*sim) == next);
@@ -107,9 +107,9 @@ static void forge_states(const char *text, int count, uint64_t seed) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, text);
     int refused = 0;
-    for (int k = 0; k < STEPS; k++) test_step(context, sim);
+    for (int k = 0; k < STEPS; k++) test_step(sim);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
-    test_step(context, sim);
+    test_step(sim);
     uint64_t next = pdyn_state_hash(sim);
     read_file("state", &file);
     for (int k = 0; k < count; k++) {
@@ -141,8 +141,7 @@ static void test_damaged_memory(void **state) {
     (void)state;
     static struct file file;
     uint64_t seed = 0;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, cloth);
+    pdyn_sim *sim = test_open(cloth);
     assert_int_equal(pdyn_save_memory(sim, file.data, sizeof file.data, &file.size), PDYN_OK);
     for (int k = 0; k < STATES; k++) {
         size_t at = random_below(&seed, file.size);
@@ -152,13 +151,12 @@ static void test_damaged_memory(void **state) {
         free(cut);
         file.data[at] ^= 1;
         assert_int_equal(pdyn_restore_memory(sim, file.data, file.size), PDYN_BAD_INPUT);
-        assert_error(context, "the state in memory: ");
+        assert_error("the state in memory: ");
         file.data[at] ^= 1;
     }
     assert_int_equal(pdyn_restore_memory(sim, file.data, file.size), PDYN_OK);
-    test_step(context, sim);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_step(sim);
+    test_close(sim);
 }
 
 /* ---- fields ---------------------------------------------------------------------------------- */
@@ -232,14 +230,14 @@ static const struct {
 /* Restores the file "forged": it must be refused with this text and leave the simulation usable. */
 static void refused(pdyn_context *context, const char *text, const char *says) {
     pdyn_sim *sim = test_load(context, text);
-    test_step(context, sim);
+    test_step(sim);
     uint64_t hash = pdyn_state_hash(sim);
     assert_int_equal(pdyn_restore(sim, "forged"), PDYN_BAD_INPUT);
     const char *error = pdyn_last_error(context);
     if (!strstr(error, "not a saved state of this scene") || !strstr(error, says))
         fail_msg("expected \"%s\", found \"%s\"", says, error);
     assert_true(pdyn_state_hash(sim) == hash);
-    test_step(context, sim);
+    test_step(sim);
     pdyn_free(sim);
 }
 
@@ -248,7 +246,7 @@ static void test_fields(void **state) {
     pdyn_context *context = test_context(1);
     for (size_t k = 0; k < sizeof field / sizeof *field; k++) {
         pdyn_sim *sim = test_load(context, field[k].text);
-        for (int n = 0; n < STEPS; n++) test_step(context, sim);
+        for (int n = 0; n < STEPS; n++) test_step(sim);
         field[k].forge(sim);
         assert_int_equal(pdyn_save(sim, "forged"), PDYN_OK);
         pdyn_free(sim);
@@ -264,15 +262,14 @@ static void test_multipliers(void **state) {
     static const int wrong[] = {-1, INT32_MIN, INT32_MAX};
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, fluid);
-    test_step(context, sim);
+    test_step(sim);
     int count = pdyn_get_state(sim).particles;
     for (int k = 0; k < 3; k++) {
         assert_int_equal(pdyn_save(sim, "forged"), PDYN_OK);
         replace_int("forged", (size_t)count * sizeof(double), count, wrong[k]);
         refused(context, fluid, "number of multipliers");
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     test_remove_file("forged");
 }
 
@@ -301,7 +298,7 @@ static void test_writer(void **state) {
     pdyn_sim *sim = test_load(context, cloth);
     pdyn_writer *writer = NULL, *resumed = NULL;
     assert_int_equal(pdyn_writer_open(sim, "out", false, &writer), PDYN_OK);
-    test_step(context, sim);
+    test_step(sim);
     assert_int_equal(pdyn_writer_frame(writer), PDYN_OK);
     assert_int_equal(pdyn_writer_save(writer), PDYN_OK);
     pdyn_writer_close(writer);
@@ -310,7 +307,7 @@ static void test_writer(void **state) {
     for (int k = 0; k < 3; k++) {
         replace_int("out/state.pdyn", sizeof(double), 1, wrong[k]);
         assert_int_equal(pdyn_writer_resume(other, "out", &resumed), PDYN_BAD_INPUT);
-        assert_error(context, "number of its frames");
+        assert_error("number of its frames");
         assert_null(resumed);
         assert_true(pdyn_time(other) == 0.0 && pdyn_state_hash(other) == hash);
         replace_int("out/state.pdyn", sizeof(double), wrong[k], 1);
@@ -328,8 +325,7 @@ static void test_series(void **state) {
     (void)state;
     static const char path[] = "out/sheet.vtk.series";
     static struct file appended, whole;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, cloth);
+    pdyn_sim *sim = test_open(cloth);
     pdyn_writer *writer = NULL;
     assert_int_equal(pdyn_writer_open(sim, "out", false, &writer), PDYN_OK);
     for (int k = 0; k < 4; k++) {
@@ -338,7 +334,7 @@ static void test_series(void **state) {
             test_write_text(path, "{\"files\": []}\n");
         }
         assert_int_equal(pdyn_writer_frame(writer), PDYN_OK);
-        test_step(context, sim);
+        test_step(sim);
     }
     read_file(path, &whole);
     size_t entries = appended.size - strlen("]}\n");
@@ -347,8 +343,7 @@ static void test_series(void **state) {
     assert_memory_equal(whole.data + entries, ",\n{\"name\": \"sheet_000003.vtk\"", 29);
     assert_int_equal(pdyn_writer_save(writer), PDYN_OK);
     pdyn_writer_close(writer);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     for (int k = 1; k < 4; k++) {
         char frame[64];
         snprintf(frame, sizeof frame, "out/sheet_%06d.vtk", k);

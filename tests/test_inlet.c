@@ -32,12 +32,11 @@ static const char *const fountain =
  * opening, each at its place. */
 static void test_emitted_mass(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, JET(STEPS FLOAT, "", "") "}");
+    pdyn_sim *sim = test_open(JET(STEPS FLOAT, "", "") "}");
     const pdyn_state s = pdyn_get_state(sim);
     double particle = 1000.0 * spacing * spacing * spacing;
     for (int n = 1; n <= 60; n++) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         double mass = 0.0, expected = 1000.0 * 0.2 * 0.1 * 2.0 * info.time;
         for (int i = 0; i < s.particles; i++) {
             if (!s.live[i]) continue;
@@ -52,26 +51,23 @@ static void test_emitted_mass(void **state) {
         assert_true(fabs(vec3_dot(info.momentum, direction) - 2.0 * mass) < 1e-6 * mass);
         assert_true(info.density_error_max < 0.005);
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Layers enter at their exact position within the step, the second one a spacing behind the first;
  * every second particle of a disc lies in its plane, the others half a spacing in front. */
 static void test_place(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim =
-        test_load(context, "{" STEPS FLOAT
-                           ", 'bodies': [{'particles': {'radius': 0.0125, 'inlets': [{'disc': "
-                           "{'center': [1, 2, 3], 'radius': 0.06}, 'direction': [0, -2, 0], 'up': "
-                           "[1, 5, 1], 'speed': 3, 'start': 0.0095, 'duration': 0.01}]}}]}");
+    pdyn_sim *sim = test_open(
+        "{" STEPS FLOAT ", 'bodies': [{'particles': {'radius': 0.0125, 'inlets': [{'disc': "
+        "{'center': [1, 2, 3], 'radius': 0.06}, 'direction': [0, -2, 0], 'up': "
+        "[1, 5, 1], 'speed': 3, 'start': 0.0095, 'duration': 0.01}]}}]}");
     const pdyn_state s = pdyn_get_state(sim);
     int staggered = 0;
     const int in_disc = 21; /* lattice points with i^2 + j^2 <= 2.4^2 */
     assert_int_equal(s.particles, 2 * in_disc);
-    for (int n = 0; n < 3; n++) assert_int_equal(test_step(context, sim).particles, 0);
-    assert_int_equal(test_step(context, sim).particles, 2 * in_disc);
+    for (int n = 0; n < 3; n++) assert_int_equal(test_step(sim).particles, 0);
+    assert_int_equal(test_step(sim).particles, 2 * in_disc);
     for (int i = 0; i < 2 * in_disc; i++) {
         double *x = sim->x + 3 * i, back = i < in_disc ? 0.0 : spacing;
         double place = 2.0 + back - 3.0 * (0.012 - 0.0095), front = (place - x[1]) / spacing;
@@ -83,25 +79,22 @@ static void test_place(void **state) {
         assert_true(sim->v[3 * i + 1] == -3.0);
     }
     assert_int_equal(staggered, 2 * 12);
-    for (int n = 0; n < 10; n++) test_step(context, sim);
+    for (int n = 0; n < 10; n++) test_step(sim);
     assert_int_equal(sim->live->emitted, 2 * in_disc);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Four of a layer's eight columns lie inside a block of water: no particle of the first two layers
  * enters there. */
 static void test_blocked(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, "{" STEPS FLOAT
-                 ", 'bodies': [{'particles': {'radius': 0.0125, 'fill': [{'box': {'minimum': [0, "
-                 "0, 0], 'maximum': [0.1, 0.1, 0.1]}}], 'inlets': [{'rectangle': {'center': [0.05, "
-                 "0.05, 0.05], 'size': [0.2, 0.1]}, 'direction': [0, 0, 1], 'speed': 1}]}}]}");
+    pdyn_sim *sim = test_open(
+        "{" STEPS FLOAT
+        ", 'bodies': [{'particles': {'radius': 0.0125, 'fill': [{'box': {'minimum': [0, "
+        "0, 0], 'maximum': [0.1, 0.1, 0.1]}}], 'inlets': [{'rectangle': {'center': [0.05, "
+        "0.05, 0.05], 'size': [0.2, 0.1]}, 'direction': [0, 0, 1], 'speed': 1}]}}]}");
     assert_int_equal(pdyn_get_body(sim, 0).live, 4 * 4 * 4 + LAYER);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A layer of 8 x 8 particles, 0.2 m wide, that flows along x. */
@@ -158,45 +151,38 @@ static void test_covered(void **state) {
 /* Half of an opening reaches into the floor of a channel: the flow stays calm. */
 static void test_flow_beside_a_floor(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, BESIDE(CHANNEL("0.0", ""), ""));
+    pdyn_sim *sim = test_open(BESIDE(CHANNEL("0.0", ""), ""));
     for (int n = 0; n < 60; n++) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         double mass = 1000.0 * pow(spacing, 3) * info.particles;
         assert_true(info.density_error_max < 0.01);
         assert_true(info.kinetic_energy < 0.6 * mass); /* at 1 m/s */
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A free jet is nowhere above rest density. */
 static void test_free_jet(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim =
-        test_load(context, JET("'duration': 1, 'time_step': {'maximum': 0.004}", "", "") "}");
-    while (pdyn_time(sim) < 0.3) assert_true(test_step(context, sim).density_error_max < 0.005);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    pdyn_sim *sim = test_open(JET("'duration': 1, 'time_step': {'maximum': 0.004}", "", "") "}");
+    while (pdyn_time(sim) < 0.3) assert_true(test_step(sim).density_error_max < 0.005);
+    test_close(sim);
 }
 
 /* Particles that are not live have no mass, energy, neighbours or constraints. */
 static void test_before_the_start(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, JET(STEPS, ", 'start': 0.5", "") "}");
+    pdyn_sim *sim = test_open(JET(STEPS, ", 'start': 0.5", "") "}");
     uint64_t hash = pdyn_state_hash(sim);
     for (int n = 0; n < 5; n++) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         assert_true(info.particles == 0 && info.step_residual == 0.0);
         assert_true(info.kinetic_energy == 0.0 && info.potential_energy == 0.0);
         assert_true(info.constraint_energy == 0.0 && info.density_error_mean == 0.0);
     }
     assert_true(pdyn_state_hash(sim) == hash);
     assert_int_equal(pdyn_get_body(sim, 0).live, 0);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Removed particles return to the budget: four times the budget flows through, without allocations
@@ -211,7 +197,7 @@ static void test_outlet(void **state) {
         pdyn_sim *sim = test_load(context, fountain);
         const pdyn_state s = pdyn_get_state(sim);
         for (int n = 0; n < 250; n++) {
-            pdyn_step_info info = test_step(context, sim);
+            pdyn_step_info info = test_step(sim);
             if (n == 100) before = counter.calls;
             assert_int_equal(info.particles, sim->live->emitted - sim->live->removed);
             assert_true(n < 100 || (info.particles > 60 && info.particles < 200));
@@ -220,9 +206,7 @@ static void test_outlet(void **state) {
         assert_int_equal(counter.calls, before);
         assert_true(sim->live->removed > 1400 && !sim->live->inlet[0].closed);
         hash[threads - 1] = pdyn_state_hash(sim);
-        pdyn_free(sim);
-        assert_int_equal(pdyn_bytes_in_use(context), 0);
-        pdyn_destroy(context);
+        test_close(sim);
         assert_true(hash[threads - 1] == hash[0]);
     }
 }
@@ -237,22 +221,19 @@ static void test_outlet(void **state) {
  * the origin. */
 static void test_removed(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
+    pdyn_sim *sim = test_open(
         "{" STEPS FLOAT ", 'bodies': [{'particles': {" BLOCKS "}, 'constraints': [{'type': "
         "'fluid', 'stiffness': 1e5}]}], 'outlets': [{'box': {'minimum': [-1, -1, -1], 'maximum': "
         "[0.25, 1, 1]}}]}");
     const pdyn_state s = pdyn_get_state(sim);
     for (int n = 0; n < 20; n++) {
-        test_step(context, sim);
+        test_step(sim);
         for (int i = 0; i < s.particles; i++)
             assert_true(s.live[i] || (s.pressure[i] == 0.0 && vec3_length(s.x + 3 * i) == 0.0 &&
                                       vec3_length(s.v + 3 * i) == 0.0));
     }
     assert_true(sim->live->removed > s.particles / 2);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A budget of three layers: then the inlet closes, with one warning. */
@@ -262,19 +243,16 @@ static void test_exhausted(void **state) {
     pdyn_context *context = test_warned_context(1, &warnings);
     pdyn_sim *sim = test_load(context, JET(STEPS FLOAT, "", ", 'budget': 100") "}");
     assert_int_equal(pdyn_get_state(sim).particles, 100);
-    for (int n = 0; n < 40; n++) test_step(context, sim);
+    for (int n = 0; n < 40; n++) test_step(sim);
     assert_int_equal(pdyn_get_body(sim, 0).live, 3 * LAYER);
     assert_int_equal(warnings.count, 1);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* An unfinished solve gives no momentum to particles that are not live. */
 static void test_momentum(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
+    pdyn_sim *sim = test_open(
         "{" STEPS FLOAT
         ", 'solver': {'outer_iterations': 1, 'linear_iterations': 3}, 'bodies': [{'particles': "
         "{" BLOCKS ", 'inlets': [{'disc': {'center': [9, 9, 9], 'radius': "
@@ -284,13 +262,12 @@ static void test_momentum(void **state) {
     const pdyn_state s = pdyn_get_state(sim);
     for (int i = 0; i < s.particles; i++) vec3_add(first, s.mass[i], s.v + 3 * i);
     for (int n = 0; n < 20; n++) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         touched = fmax(touched, info.constraint_energy);
         assert_true(vec3_distance(info.momentum, first) < 1e-12 * vec3_length(first));
     }
     assert_true(touched > 1e-6);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A scene of scenes/ with one override. */
@@ -312,15 +289,14 @@ static void test_stiff_jet(void **state) {
     const pdyn_state s = pdyn_get_state(sim);
     const double high[3] = {0.8, 0.5, 0.4}, beyond = 0.003;
     for (int n = 0; n < 100; n++) { /* the jet has reached the opposite wall */
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         assert_true(info.h > 6e-3);
         assert_true(info.density_error_max < 1e-4);
         for (int k = 0; k < 3 * s.particles; k++)
             assert_true(!s.live[k / 3] || particle_is_pushed(sim, k / 3) ||
                         (s.x[k] > -beyond && s.x[k] < high[k % 3] + beyond));
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A disc of 21 particles of spacing 0.02 m in the floor of a tank. fill, constraints: of the water;
@@ -334,10 +310,10 @@ static void test_stiff_jet(void **state) {
 #define TOP_OPEN ", 'open': ['+y']"
 
 /* Runs the nozzle for some time; checks that fluid does not burst, and that steps are solved. */
-static pdyn_step_info run_nozzle(pdyn_context *context, pdyn_sim *sim, double seconds) {
+static pdyn_step_info run_nozzle(pdyn_sim *sim, double seconds) {
     pdyn_step_info info = {0};
     while (pdyn_time(sim) < seconds) {
-        info = test_step(context, sim);
+        info = test_step(sim);
         assert_true(info.step_residual < 0.1 && info.leaked == 0);
         assert_true(info.kinetic_energy < 10.0);
     }
@@ -358,14 +334,12 @@ static void test_flow(void **state) {
                ", {'type': 'viscosity', 'viscosity': 1000}", "0.4", TOP_OPEN)};
     const int layers = 2 + (int)(0.31 / 0.02);
     for (int k = 0; k < 3; k++) {
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim = test_load(context, scene[k]);
+        pdyn_sim *sim = test_open(scene[k]);
         pdyn_body_info water = pdyn_get_body(sim, 0);
-        run_nozzle(context, sim, 0.31);
+        run_nozzle(sim, 0.31);
         int entered = pdyn_get_body(sim, 0).live - water.live;
         assert_int_equal(entered, 21 * (layers - 2));
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -374,7 +348,6 @@ static void test_flow(void **state) {
 static double first_step(double y) {
     char text[2048];
     pdyn_step_info info;
-    pdyn_context *c = test_context(1);
     snprintf(text, sizeof text,
              SCENE("'duration': 1, 'frame_interval': 1, 'time_step': {'cfl': 10, 'maximum': 0.05}, "
                    "'solver': {'type': 'dual'}",
@@ -384,10 +357,9 @@ static double first_step(double y) {
                    "'start': 5}]}, 'constraints': [{'type': 'fluid', 'sound_speed': 20}]}",
                    ""),
              y, y + 0.2, y + 0.4);
-    pdyn_sim *sim = test_load(c, text);
+    pdyn_sim *sim = test_open(text);
     assert_int_equal(pdyn_step(sim, &info), PDYN_OK);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
     return info.h;
 }
 
@@ -405,25 +377,23 @@ static void test_full(void **state) {
     pdyn_context *context = test_warned_context(1, &warnings);
     pdyn_sim *sim = test_load(context, NOZZLE("1", "", "", "0.06", ""));
     const int room = 16 * 16 * 3;
-    pdyn_step_info info = run_nozzle(context, sim, 1.2);
+    pdyn_step_info info = run_nozzle(sim, 1.2);
     assert_in_range(pdyn_get_body(sim, 0).live, (int)(0.95 * room), (int)(1.15 * room));
     assert_true(info.density_error_mean < 0.1);
     assert_int_equal(warnings.count, 1);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Mean squared distance from the axis of the particles in the stretch of a jet that falls from y =
  * 0.4 with 0.8 m/s, over that in its disc. */
 static double jet_area(double low, double high) {
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, "{'duration': 1, 'frame_interval': 0.01, 'bodies': [{'particles': {'radius': "
-                 "0.006, 'inlets': [{'disc': {'center': [0, 0.4, 0], 'radius': 0.03}, 'direction': "
-                 "[0, -1, 0], 'speed': 0.8}]}, 'constraints': [{'type': 'fluid'}]}]}");
+    pdyn_sim *sim = test_open(
+        "{'duration': 1, 'frame_interval': 0.01, 'bodies': [{'particles': {'radius': "
+        "0.006, 'inlets': [{'disc': {'center': [0, 0.4, 0], 'radius': 0.03}, 'direction': "
+        "[0, -1, 0], 'speed': 0.8}]}, 'constraints': [{'type': 'fluid'}]}]}");
     double sum = 0.0, at_start = 0.0;
     int count = 0;
-    while (pdyn_time(sim) < 0.3) test_step(context, sim);
+    while (pdyn_time(sim) < 0.3) test_step(sim);
     const struct point_list *layer = &sim->scene.body[0].inlet[0].layer;
     for (int k = 0; k < layer->count; k++)
         at_start += (pow(layer->x[3 * k], 2) + pow(layer->x[3 * k + 2], 2)) / layer->count;
@@ -433,8 +403,7 @@ static double jet_area(double low, double high) {
         sum += x[0] * x[0] + x[2] * x[2], count++;
     }
     assert_true(count > 20);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return sum / count / at_start;
 }
 
@@ -449,15 +418,14 @@ static void test_falling_jet(void **state) {
 /* A pushed layer moves exactly as the inlet says while water presses against it. */
 static void test_pushed(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
     pdyn_sim *sim =
-        test_load(context, NOZZLE("0.3",
-                                  ", 'fill': [{'box': {'minimum': [-0.16, 0.02, -0.16], 'maximum': "
-                                  "[0.16, 0.3, 0.16]}}]",
-                                  "", "0.4", TOP_OPEN));
+        test_open(NOZZLE("0.3",
+                         ", 'fill': [{'box': {'minimum': [-0.16, 0.02, -0.16], 'maximum': "
+                         "[0.16, 0.3, 0.16]}}]",
+                         "", "0.4", TOP_OPEN));
     int pushed = 0;
     for (int n = 0; n < 60; n++) {
-        double time = test_step(context, sim).time;
+        double time = test_step(sim).time;
         for (int i = 0; i < sim->objective.particles; i++) {
             const double *x = sim->x + 3 * i, *v = sim->v + 3 * i;
             if (!particle_is_pushed(sim, i)) continue;
@@ -469,8 +437,7 @@ static void test_pushed(void **state) {
         }
     }
     assert_true(pushed > 60 * 21);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static pdyn_sim *load_paste(pdyn_context *context) {
@@ -499,7 +466,7 @@ static void test_saved(void **state) {
             pdyn_sim *resumed = load[k](context);
             assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
             assert_int_equal(pdyn_restore(resumed, "state"), PDYN_OK);
-            test_step(context, sim), test_step(context, resumed);
+            test_step(sim), test_step(resumed);
             assert_true(pdyn_state_hash(sim) == pdyn_state_hash(resumed));
             pdyn_free(resumed);
         }

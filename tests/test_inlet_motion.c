@@ -38,7 +38,7 @@ static void test_tap(void **state) {
     pdyn_sim *sim = test_load(context, STREAM(TAP, ""));
     assert_int_equal(sim->live->emitted, 2 * LAYER); /* the layers of a shut opening */
     for (int n = 0; n < 100; n++) {
-        double time = test_step(context, sim).time, way = tap_way(time);
+        double time = test_step(sim).time, way = tap_way(time);
         int pushed = 0;
         for (int i = 0; i < sim->objective.particles; i++) {
             const double *x = sim->x + 3 * i, *v = sim->v + 3 * i;
@@ -60,7 +60,7 @@ static void test_tap(void **state) {
 static void test_duration(void **state) {
     (void)state;
     pdyn_sim *sim = test_load(context, STREAM(TAP ", 'start': 0.05, 'duration': 0.15", ""));
-    while (pdyn_time(sim) < 0.6) test_step(context, sim);
+    while (pdyn_time(sim) < 0.6) test_step(sim);
     assert_int_equal(sim->live->emitted, LAYER * 10); /* 0.2 m */
     refused(pdyn_set_inlet_speed(sim, 0, 0, 0.0, 1.0),
             "inlet 0 of body \"water\": its \"duration\" has ended at 0.2 s");
@@ -85,7 +85,7 @@ static void test_hose(void **state) {
     (void)state;
     pdyn_sim *sim = test_load(context, STREAM(HOSE, ""));
     for (int n = 0; n < 100; n++) {
-        double time = test_step(context, sim).time, c = cos(acos(-1.0) * time);
+        double time = test_step(sim).time, c = cos(acos(-1.0) * time);
         double s = sin(acos(-1.0) * time);
         for (int i = 0; i < sim->objective.particles; i++) {
             const double *at = sim->x + 3 * i, arm[2] = {at[0] - 0.2, at[1]};

@@ -41,19 +41,17 @@ static void test_free_fall(void **state) {
                                   SPRINGS("2000")),
                        ""),
                  integrator[kind]);
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim = test_load(context, text);
+        pdyn_sim *sim = test_open(text);
         struct fall f = {.x = sim->x[1], .v = 2.0};
         for (int n = 0; n < 49; n++) {
             sim->scene.settings.h_fixed = step[n % 7];
-            pdyn_step_info info = test_step(context, sim);
+            pdyn_step_info info = test_step(sim);
             fall(&f, kind, info.h, -9.81);
             for (int i = 0; i < sim->objective.particles; i++)
                 assert_true(fabs(sim->x[3 * i + 1] - f.x) < 1e-11);
             assert_true(fabs(info.momentum[1] - 0.3 * (2.0 - 9.81 * info.time)) < 1e-11);
         }
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -69,14 +67,12 @@ static double kept_speed(int kind) {
              "[{'box': {'minimum': [0, 0, 0], 'maximum': [0.04, 0.02, 0.02]}}]}, 'constraints': "
              "[{'type': 'fluid', 'viscosity': 0.05}]}]}",
              integrator[kind]);
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, text);
+    pdyn_sim *sim = test_open(text);
     assert_int_equal(sim->objective.particles, 2);
     sim->v[0] = 0.005, sim->v[3] = -0.005;
-    for (int n = 0; n < 50; n++) test_step(context, sim);
+    for (int n = 0; n < 50; n++) test_step(sim);
     double kept = (sim->v[0] - sim->v[3]) / 0.01;
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return kept;
 }
 
@@ -100,13 +96,11 @@ static double step_length(const char *particles, const char *solids, double appl
              "{'minimum': [0, 0, 0], 'maximum': [0.04, 0.04, 0.04]}}]%s}, 'constraints': [{'type': "
              "'fluid', 'stiffness': 1e-3}]}], 'solids': [%s]}",
              particles, solids);
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, text);
+    pdyn_sim *sim = test_open(text);
     for (int i = 0; i < 8; i++) force[3 * i + 1] = applied * sim->objective.mass[i];
     assert_int_equal(pdyn_set_forces(sim, 0, 8, force), PDYN_OK);
-    double h = test_step(context, sim).h;
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    double h = test_step(sim).h;
+    test_close(sim);
     return h;
 }
 
@@ -135,24 +129,22 @@ static void test_step_length(void **state) {
  * fills a frame, and never to more than twice the length. */
 static void test_steps_grow_again(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, "{'duration': 9, 'frame_interval': 0.1, 'time_step': {'maximum': 0.1}, 'gravity': "
-                 "[0, 0, 0], 'bodies': [{'particles': {'radius': 0.01, 'fill': [{'box': "
-                 "{'minimum': [0, 0, 0], 'maximum': [0.04, 0.04, 0.04]}}]}, 'constraints': "
-                 "[{'type': 'fluid', 'stiffness': 1e-3}]}], 'solids': [{'sphere': {'center': [9, "
-                 "9, 9], 'radius': 0.1}, 'motion': [{'time': 0}, {'time': 0.1, 'translate': [0.11, "
-                 "0, 0]}]}]}");
-    double h = test_step(context, sim).h;
+    pdyn_sim *sim = test_open(
+        "{'duration': 9, 'frame_interval': 0.1, 'time_step': {'maximum': 0.1}, 'gravity': "
+        "[0, 0, 0], 'bodies': [{'particles': {'radius': 0.01, 'fill': [{'box': "
+        "{'minimum': [0, 0, 0], 'maximum': [0.04, 0.04, 0.04]}}]}, 'constraints': "
+        "[{'type': 'fluid', 'stiffness': 1e-3}]}], 'solids': [{'sphere': {'center': [9, "
+        "9, 9], 'radius': 0.1}, 'motion': [{'time': 0}, {'time': 0.1, 'translate': [0.11, "
+        "0, 0]}]}]}");
+    double h = test_step(sim).h;
     assert_true(fabs(h - 0.1 / 11) < 1e-9);
     while (sim->time < 1.25) {
         double before = h;
-        h = test_step(context, sim).h;
+        h = test_step(sim).h;
         assert_true(h <= 2.001 * before);
     }
     assert_true(fabs(h - 0.1) < 1e-9);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* ---- order ----------------------------------------------------------------------------------- */
@@ -169,17 +161,15 @@ static void swing(int kind, double damping, double h, double ratio, double end[3
              "100}, 'bodies': [{'surface': {'mesh': 'triangle.obj', 'area_density': 1}, "
              "'constraints': [{'type': 'spring', 'stretching_stiffness': 10, 'damping': %g}]}]}",
              h, integrator[kind], damping);
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, text);
+    pdyn_sim *sim = test_open(text);
     memcpy(sim->v, start, sizeof start);
     while (pdyn_time(sim) < 0.8 - 1e-9) {
         double t = pdyn_time(sim);
         sim->scene.settings.h_fixed = t > 0.3 - 1e-9 && t < 0.5 - 1e-9 ? ratio * h : h;
-        test_step(context, sim);
+        test_step(sim);
     }
     memcpy(end, sim->x + 3, 3 * sizeof *end);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     test_remove_file("triangle.obj");
 }
 
@@ -229,20 +219,18 @@ static void test_no_bounce(void **state) {
                                  "'translate': [0, 0.05, 0], 'area_density': 0.3", SPRINGS("1000")),
                       ", 'solids': [{'box': {'minimum': [-1, 0, -1], 'maximum': [1, 1, 1]}}]"),
                 k ? 0.01 : 0.005, integrator[kind]);
-            pdyn_context *context = test_context(1);
-            pdyn_sim *sim = test_load(context, text);
+            pdyn_sim *sim = test_open(text);
             double highest = 0.0;
             int impacts = 0;
             while (pdyn_time(sim) < 0.3) {
-                pdyn_step_info info = test_step(context, sim);
+                pdyn_step_info info = test_step(sim);
                 impacts += info.impacts;
                 for (int i = 0; info.time > 0.05 && i < sim->objective.particles; i++)
                     highest = fmax(highest, sim->x[3 * i + 1]);
             }
             if (!(highest < 0.2)) fail_msg("%s: up to %g m", integrator[kind], highest);
             assert_true((impacts > 0) == (kind == BDF2));
-            pdyn_free(sim);
-            pdyn_destroy(context);
+            test_close(sim);
         }
 }
 
@@ -250,30 +238,26 @@ static void test_no_bounce(void **state) {
  * Vertices of a twelfth of its particles' mass do not yield: pins hold them. */
 static void test_held_sheet(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
-        SCENE(
-            "'duration': 1, 'frame_interval': 0.1",
-            PAIR("{'velocity': [0, -4, 0], 'particles': {'radius': 0.006, 'fill': [{'sphere': "
-                 "{'center': [0, 0.3, 0], 'radius': 0.03}}]}, 'constraints': [{'type': 'fluid'}]}",
-                 GRID_SHEET("", "0.4, 0.4", "17, 17",
-                            "'translate': [0, 0.2, 0], 'area_density': "
-                            "0.25",
-                            PAIR(SPRINGS("1000"), PINS("'all': true")))),
-            ""));
+    pdyn_sim *sim = test_open(SCENE(
+        "'duration': 1, 'frame_interval': 0.1",
+        PAIR("{'velocity': [0, -4, 0], 'particles': {'radius': 0.006, 'fill': [{'sphere': "
+             "{'center': [0, 0.3, 0], 'radius': 0.03}}]}, 'constraints': [{'type': 'fluid'}]}",
+             GRID_SHEET("", "0.4, 0.4", "17, 17",
+                        "'translate': [0, 0.2, 0], 'area_density': "
+                        "0.25",
+                        PAIR(SPRINGS("1000"), PINS("'all': true")))),
+        ""));
     double fastest = 0.0, up = 0.0;
     const pdyn_body_info drop = pdyn_get_body(sim, 0);
     while (pdyn_time(sim) < 0.06) {
-        test_step(context, sim);
+        test_step(sim);
         up = 0.0;
         for (int i = 0; i < drop.count; i++) up += sim->v[3 * i + 1] / drop.count;
         fastest = fmin(fastest, up);
     }
     assert_true(fastest < -4.0);
     if (!(up < 0.2 * -fastest)) fail_msg("bounces with %g of %g m/s", up, -fastest);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Water falls on a light sheet that is held at its border, like on a trampoline. A part of the
@@ -281,33 +265,28 @@ static void test_held_sheet(void **state) {
  * until the sheet has caught the water. */
 static void test_caught_water(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, SCENE("'duration': 1, 'frame_interval': 0.1, 'time_step': {'fixed': 0.01}",
-                       PAIR(FLUID_BOX("", "0.03", "-0.15, 0.1, -0.15", "0.15, 0.25, 0.15",
-                                      ", 'stiffness': 1e5"),
-                            GRID_SHEET("", "0.6, 0.6", "11, 11", "'area_density': 0.05",
-                                       PAIR(SPRINGS("1500"), PINS("'border': true")))),
-                       ""));
+    pdyn_sim *sim = test_open(SCENE(
+        "'duration': 1, 'frame_interval': 0.1, 'time_step': {'fixed': 0.01}",
+        PAIR(FLUID_BOX("", "0.03", "-0.15, 0.1, -0.15", "0.15, 0.25, 0.15", ", 'stiffness': 1e5"),
+             GRID_SHEET("", "0.6, 0.6", "11, 11", "'area_density': 0.05",
+                        PAIR(SPRINGS("1500"), PINS("'border': true")))),
+        ""));
     double first = INFINITY, rise = 0.0, kinetic = 0.0;
     while (pdyn_time(sim) < 0.3) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         double all = info.kinetic_energy + info.potential_energy + info.constraint_energy;
         first = fmin(first, all);
         rise = fmax(rise, all - first), kinetic = fmax(kinetic, info.kinetic_energy);
     }
     if (!(rise < kinetic / 8)) fail_msg("gains %g of %g J", rise, kinetic);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Water falls 6 cm onto a sheet with pinned borders, which throws it up again. The pressure that
  * slows the water down for many steps is no impact: counted as one, it would add 10 of 43 J. */
 static void test_thrown_up(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
+    pdyn_sim *sim = test_open(
         SCENE("'duration': 1, 'frame_interval': 0.1, 'time_step': {'fixed': 0.005}, 'contact': "
               "{'thickness': 0.01}",
               PAIR("{'particles': {'radius': 0.02, 'fill': [{'box': {'minimum': [-0.16, 0.06, "
@@ -317,7 +296,7 @@ static void test_thrown_up(void **state) {
               ""));
     double start = 0.0, lowest = INFINITY, gained = 0.0;
     while (pdyn_time(sim) < 0.5 - 1e-9) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         double all = info.kinetic_energy + info.potential_energy + info.constraint_energy;
         if (lowest == INFINITY) start = all;
         lowest = fmin(lowest, all);
@@ -325,8 +304,7 @@ static void test_thrown_up(void **state) {
     }
     print_message("gains %.3g of %.3g J\n", gained, start);
     assert_true(gained < 0.03 * start);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A block of water hits a floor: its energy never rises, and it does not rise again. */
@@ -342,11 +320,10 @@ static void test_splash(void **state) {
             "[0.6, 0.25, 0.6]}}]}, 'constraints': [{'type': 'fluid', 'stiffness': 1e7}]}], "
             "'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [1, 1, 1]}}]}",
             integrator[kind]);
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim = test_load(context, text);
+        pdyn_sim *sim = test_open(text);
         double energy = INFINITY, mean = 0.0;
         while (pdyn_time(sim) < 0.09) {
-            pdyn_step_info info = test_step(context, sim);
+            pdyn_step_info info = test_step(sim);
             double all = info.kinetic_energy + info.potential_energy + info.constraint_energy;
             assert_true(all < energy * (1.0 + 1e-3));
             energy = fmin(energy, all);
@@ -355,8 +332,7 @@ static void test_splash(void **state) {
             mean += sim->x[3 * i + 1] / sim->objective.particles;
         print_message("%s: mean height %.4f m, energy %.4g J\n", integrator[kind], mean, energy);
         assert_true(mean < 0.022); /* the centre of one layer is 0.02 m above the floor */
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 

@@ -236,7 +236,7 @@ static void test_large_surface(void **state) {
               ", 'solids': [{'name': 'sea', 'plane': {'center': [0, 0, 0], "
               "'normal': [0, 1, 0], 'size': 10}}]");
     assert_int_equal(pdyn_load_text(context, quoted(scene), "test", NULL, 0, &sim), PDYN_BAD_INPUT);
-    assert_error(context, "a side of \"sea\" has ");
+    assert_error("a side of \"sea\" has ");
     assert_in_range(pdyn_peak_bytes(context), 0, 1 << 20);
     pdyn_destroy(context);
 }
@@ -256,20 +256,18 @@ static void assert_energy(pdyn_sim *sim) {
 
 /* A lattice of particles that touches the walls of a box is at rest. */
 static void check_lattice(const char *kernel) {
-    pdyn_context *context = test_context(1);
     const char *scene =
         SCENE("'duration': 1", FLUID_BOX("", "0.05", "0, 0, 0", "0.8, 0.8, 0.8", ""),
               ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.8, 0.8, 0.8]}}]");
     double energy;
-    pdyn_sim *sim = test_load_with(context, scene, &kernel, 1);
+    pdyn_sim *sim = test_open_with(scene, &kernel, 1);
     sim->objective.h = 0.01;
     assert_int_equal(objective_local(&sim->objective, sim->x, &energy, sim->gradient), PDYN_OK);
     sim->objective.batch[0]->type->matrix_free->density(sim->objective.batch[0]->op, sim->density);
     for (int i = 0; i < sim->objective.particles; i++)
         assert_true(sim->density[i] > 990.0 && sim->density[i] < 1001.0);
     assert_energy(sim);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void test_lattice(void **state) {
@@ -290,20 +288,18 @@ static const char held[] = SCENE(
  * weight that the pins do not carry; *deviation: its standard deviation in time. */
 static double displaced(const char *set, double *deviation) {
     char text[2048];
-    pdyn_context *context = test_context(1);
     snprintf(text, sizeof text, held, set);
-    pdyn_sim *sim = test_load(context, text);
+    pdyn_sim *sim = test_open(text);
     double weight = 9.81 * 0.2 * 0.16 * 0.16, layer = 9.81 * 1000.0 * 0.16 * 0.16 * 0.02;
     double sum = 0.0, squares = 0.0, time = 0.0;
     while (pdyn_time(sim) < 0.9) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         double now = (weight - info.pin_reaction[1]) / layer;
         if (info.time < 0.4) continue;
         sum += info.h * now, squares += info.h * now * now, time += info.h;
     }
     *deviation = sqrt(squares / time - sum / time * sum / time);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return sum / time;
 }
 

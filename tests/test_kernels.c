@@ -243,8 +243,7 @@ static double energy_stiffness(const struct kernel_model *model, double w, const
 /* Every compressed constraint has the energy k/2 C^2 and the projection u - (k / w) C grad C; the
  * others have p = u. */
 static void check_energy(const char *kernel) {
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load_with(context, block, &kernel, 1);
+    pdyn_sim *sim = test_open_with(block, &kernel, 1);
     int n = sim->objective.particles, compressed = 0;
     size_t bytes = (3 * (size_t)n + 1) * sizeof(double);
     double *x = malloc(bytes), *p = malloc(bytes), *q = malloc(bytes), *g = malloc(bytes), energy;
@@ -276,8 +275,7 @@ static void check_energy(const char *kernel) {
     assert_true(fabs(fluid->energy / sum - 1.0) < 1e-6 && fabs(rows->energy / sum - 1.0) < 1e-6);
     batch_free(rows);
     free(x), free(p), free(q), free(g);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void test_energy(void **state) {
@@ -289,10 +287,9 @@ static void test_energy(void **state) {
 /* Densities use the current positions of moving boundary points. */
 static void test_carried_density(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
     const char *const set[] = {"solids.0.motion=[{\"time\": 0}, {\"time\": 1, \"translate\": "
                                "[0.02, 0.01, 0], \"rotate\": [0, 3, 5]}]"};
-    pdyn_sim *sim = test_load_with(context, block, set, 1);
+    pdyn_sim *sim = test_open_with(block, set, 1);
     const struct batch *fluid = sim->objective.batch[0];
     sim->objective.h = 0.01;
     for (int k = 0; k <= 10; k++) {
@@ -305,8 +302,7 @@ static void test_carried_density(void **state) {
                         1e-12);
     }
     assert_true(neighbours_view(sim->objective.neighbours)->revision > 1);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Sum of the densities at x + t d, each times a pressure. */
@@ -327,8 +323,7 @@ static double pressed_density(struct pdyn_sim *sim, const double *x, double t, c
  * displacement d. */
 static void test_pressure(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, block);
+    pdyn_sim *sim = test_open(block);
     int n = sim->objective.particles;
     const struct batch *fluid = sim->objective.batch[0];
     double *x = sim->x_next, *d = sim->direction, energy, t = 1e-7;
@@ -346,14 +341,13 @@ static void test_pressure(void **state) {
                   (2.0 * t);
     double expected = objective_dot(&sim->objective, sim->gradient, d);
     assert_true(fabs(work / expected - 1.0) < 1e-5);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* ---- the operator ---------------------------------------------------------------------------- */
 
-static pdyn_sim *load_block(pdyn_context *context) {
-    pdyn_sim *sim = test_load(context, block);
+static pdyn_sim *load_block(void) {
+    pdyn_sim *sim = test_open(block);
     sim->objective.h = 0.01;
     return sim;
 }
@@ -361,8 +355,7 @@ static pdyn_sim *load_block(pdyn_context *context) {
 /* force is the transpose of rate. */
 static void test_transpose(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load_block(context);
+    pdyn_sim *sim = load_block();
     const struct batch *fluid = sim->objective.batch[0];
     const pdyn_operator *op = fluid->type->matrix_free;
     double energy, *u = sim->direction, *y = sim->trial, left = 0.0;
@@ -384,8 +377,7 @@ static void test_transpose(void **state) {
     for (int i = 0; i < count; i++) left += multiplier[i] * rate[i];
     assert_true(fabs(left / objective_dot(&sim->objective, y, u) - 1.0) < 1e-10);
     free(multiplier), free(rate), free(all);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

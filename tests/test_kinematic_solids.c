@@ -32,8 +32,7 @@ static void assert_carried(pdyn_sim *sim, double time, const double turned[3],
 
 static void test_carry(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, turning);
+    pdyn_sim *sim = test_open(turning);
     const pdyn_state s = pdyn_get_state(sim);
     double x = 1.06, y = 1.06,
            z = 1.06; /* the corner of maximum coordinates, 0.6 spacings out, from the pivot */
@@ -45,8 +44,7 @@ static void test_carry(void **state) {
                    (double[]){1.25, 0, 0}); /* in the second turn */
     assert_carried(sim, 3.0, (double[]){x, y, z}, (double[]){2, 0, 0});
     assert_carried(sim, 9.0, (double[]){y, -z, -x}, (double[]){2, 0, 1});
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Places of the first layer are kept in a scene with a constraint that reads them, for all moving
@@ -77,8 +75,7 @@ static void test_layer(void **state) {
  */
 static void test_vertices(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, turning);
+    pdyn_sim *sim = test_open(turning);
     double before[2][24], after[2][24];
     for (int s = 0; s < 2; s++) {
         assert_int_equal(pdyn_solid_vertices(sim, s, NULL), 8);
@@ -91,8 +88,7 @@ static void test_vertices(void **state) {
     for (int i = 0; i < 24; i++)
         assert_true(fabs(after[0][i] - before[0][i] - (i % 3 ? 0.0 : 2.0)) < 1e-12);
     assert_memory_equal(before[1], after[1], sizeof before[1]);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* The triangles of a box of 1 m x 1 m x 1 m without its top face outwards: the volume that they
@@ -103,8 +99,7 @@ static void test_triangles(void **state) {
         "'duration': 1", GRID_SHEET("", "0.2, 0.2", "3, 3", "'area_density': 1", SPRINGS("10")),
         ", 'solids': [{'box': {'minimum': [-0.5, -1, -0.5], 'maximum': [0.5, 0, 0.5]}, "
         "'open': ['+y']}]");
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, tank);
+    pdyn_sim *sim = test_open(tank);
     double x[24], volume = 0.0;
     int triangle[30];
     assert_int_equal(pdyn_solid_vertices(sim, 0, x), 8);
@@ -117,8 +112,7 @@ static void test_triangles(void **state) {
         volume += vec3_dot(normal, x + 3 * triangle[3 * t + 2]) / 6.0;
     }
     assert_true(fabs(volume - 1.0) < 1e-12);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Largest speed of a point by central differences, m/s. */
@@ -136,8 +130,7 @@ static double measured_speed(pdyn_sim *sim, double *before, double time) {
 /* The largest speed is that of a corner of the box, which is a boundary point. */
 static void test_speed(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, turning);
+    pdyn_sim *sim = test_open(turning);
     double *before = malloc(3 * (size_t)sim->boundary.at.count * sizeof *before);
     assert_non_null(before);
     for (double t = 0.1; t < 5.0; t += 0.1) {
@@ -150,8 +143,7 @@ static void test_speed(void **state) {
     assert_true(kinematic_speed(&sim->kinematic, 0.0, 1.001) > 10.0); /* the next key counts */
     assert_true(kinematic_speed(&sim->kinematic, 2.999, 3.1) > 10.0); /* so does the current one */
     free(before);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* ---- a tank that is carried ------------------------------------------------------------------ */
@@ -176,7 +168,7 @@ static void test_carried_tank(void **state) {
     pdyn_sim *resting = pour(context, 0.0), *carried = pour(context, 2.0);
     const pdyn_state a = pdyn_get_state(resting), b = pdyn_get_state(carried);
     double farthest = 0.0;
-    while (pdyn_time(resting) < 0.3) test_step(context, resting), test_step(context, carried);
+    while (pdyn_time(resting) < 0.3) test_step(resting), test_step(carried);
     for (int i = 0; i < a.particles; i++) {
         double shifted[3] = {b.x[3 * i] - 2.0 * pdyn_time(carried), b.x[3 * i + 1], b.x[3 * i + 2]};
         farthest = fmax(farthest, vec3_distance(a.x + 3 * i, shifted));
@@ -255,7 +247,7 @@ static void test_paddle_long(void **state) {
     assert_true(before && now);
     while (pdyn_time(sim) < 1.5) {
         see_from_paddle(sim, before);
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         see_from_paddle(sim, now);
         assert_in_tank(&s, 0.01);
         for (int i = 0; i < s.particles; i++) through += went_through(before + 3 * i, now + 3 * i);
@@ -267,8 +259,7 @@ static void test_paddle_long(void **state) {
     assert_int_equal(through, 0);
     assert_true(spin > 0.03); /* m^2/s; rotating with the paddle the water would have 0.24 */
     free(before), free(now);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* ---- a piston -------------------------------------------------------------------------------- */
@@ -295,7 +286,7 @@ static void test_piston_long(void **state) {
         write_piston(gap, text);
         pdyn_sim *sim = test_load(context, text);
         const pdyn_state s = pdyn_get_state(sim);
-        while (pdyn_time(sim) < 0.0199) assert_int_equal(test_step(context, sim).leaked, 0);
+        while (pdyn_time(sim) < 0.0199) assert_int_equal(test_step(sim).leaked, 0);
         for (int i = 0; i < s.particles; i++) assert_true(s.x[3 * i] > 0.1 - 0.02 * gap);
         pdyn_free(sim);
     }
@@ -310,10 +301,9 @@ static void test_threads(void **state) {
     for (int k = 0; k < 2; k++) {
         pdyn_context *context = test_context(1 + 2 * k);
         pdyn_sim *sim = stir(context);
-        for (int n = 0; n < 40; n++) test_step(context, sim);
+        for (int n = 0; n < 40; n++) test_step(sim);
         hash[k] = pdyn_state_hash(sim);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
     assert_true(hash[0] == hash[1]);
 }
@@ -323,15 +313,13 @@ static void test_no_allocation(void **state) {
     struct counter counter;
     pdyn_context *context = test_counting_context(1, &counter);
     pdyn_sim *sim = stir(context);
-    while (pdyn_time(sim) < 0.5) test_step(context, sim);
+    while (pdyn_time(sim) < 0.5) test_step(sim);
     long before = counter.calls;
     unsigned lists = neighbours_view(sim->objective.neighbours)->revision;
-    for (int n = 0; n < 20; n++) test_step(context, sim);
+    for (int n = 0; n < 20; n++) test_step(sim);
     assert_int_equal(counter.calls, before);
     assert_true(neighbours_view(sim->objective.neighbours)->revision > lists);
-    pdyn_free(sim);
-    assert_int_equal(pdyn_bytes_in_use(context), 0);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void test_failing_allocator(void **state) {
@@ -347,8 +335,7 @@ static void test_divergence(void **state) {
     (void)state;
     static const char *const set[] = {"bodies.0.velocity=[1e6, 0, 0]", "time_step.fixed=1000",
                                       "frame_interval=1000", "solver.retries=0"};
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load_with(context, turning, set, 4);
+    pdyn_sim *sim = test_open_with(turning, set, 4);
     const pdyn_state s = pdyn_get_state(sim);
     size_t size = 3 * (size_t)s.boundary * sizeof *s.boundary_x;
     double *before = malloc(size);
@@ -357,8 +344,7 @@ static void test_divergence(void **state) {
     assert_int_equal(pdyn_step(sim, NULL), PDYN_DIVERGED);
     assert_memory_equal(before, s.boundary_x, size);
     free(before);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

@@ -37,7 +37,7 @@ static void test_hanging(void **state) {
     (void)state;
     static const double stiffness[] = {100, 200};
     pdyn_sim *sim = test_load(context, LINKS(BOTH_LINKS));
-    while (pdyn_time(sim) < 8.0) test_step(context, sim);
+    while (pdyn_time(sim) < 8.0) test_step(sim);
     pdyn_state s = pdyn_get_state(sim);
     double distance[2];
     assert_int_equal(pdyn_element_values(sim, 0, NULL, distance), PDYN_OK);
@@ -97,9 +97,9 @@ static void test_changes(void **state) {
     static const double other[] = {0, 3, 50, 1, 2, 60}, bad[] = {0, 2, 100, 3, 4, 100};
     pdyn_sim *sim = test_load(context, LINKS(BOTH_LINKS));
     assert_int_equal(pdyn_set_parameter(sim, 0, "link", bad, 6), PDYN_BAD_INPUT);
-    assert_error(context, "rows of 3 numbers, the first 2 different vertices from 0 to 3");
+    assert_error("rows of 3 numbers, the first 2 different vertices from 0 to 3");
     assert_int_equal(pdyn_set_parameter(sim, 0, "link", other, 6), PDYN_OK);
-    test_step(context, sim);
+    test_step(sim);
     assert_memory_equal(pdyn_get_vector(sim, 0, 0).value, other, sizeof other);
     assert_int_equal(pdyn_save(sim, "links.state"), PDYN_OK);
     pdyn_sim *again = test_load(context, LINKS(BOTH_LINKS));
@@ -119,7 +119,7 @@ static void assert_refused(pdyn_param_kind kind, unsigned flags, bool required, 
     table[0].kind = kind, table[0].required = required;
     type.name = "wrong", type.flags = flags, type.params = table;
     assert_int_equal(pdyn_register(context, &plugin), PDYN_BAD_INPUT);
-    assert_error(context, fault);
+    assert_error(fault);
 }
 
 static void test_types(void **state) {

@@ -41,7 +41,7 @@ static void compare(const char *whole, const char *halves) {
     pdyn_context *context = test_context(1);
     pdyn_sim *one = test_load(context, whole), *two = test_load(context, halves);
     assert_true(one->objective.particles == two->objective.particles);
-    for (int step = 0; step < 10; step++) test_step(context, one), test_step(context, two);
+    for (int step = 0; step < 10; step++) test_step(one), test_step(two);
     for (int i = 0; i < one->objective.particles; i++) {
         int j = same_start(one, i, two);
         assert_true(vec3_distance(one->x + 3 * i, two->x + 3 * j) < 1e-9);
@@ -83,12 +83,11 @@ static double mean_pressure(const pdyn_sim *sim, double low, double high) {
 
 static void test_layers(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, layers);
+    pdyn_sim *sim = test_open(layers);
     double in_oil = 0.0, in_water = 0.0, states = 0.0;
     assert_string_equal(pdyn_solver_type(sim), "dual");
     while (pdyn_time(sim) < 0.3) {
-        test_step(context, sim);
+        test_step(sim);
         if (pdyn_time(sim) < 0.15) continue;
         in_oil += mean_pressure(sim, 0.26, 0.34), in_water += mean_pressure(sim, 0.06, 0.14);
         states++;
@@ -104,8 +103,7 @@ static void test_layers(void **state) {
     assert_true(beyond < 0.01 * sim->objective.particles);
     assert_true(fabs(pdyn_get_probe(sim, 0).value[0] - 0.2 * 0.2 * 0.4) < 1e-9);
     assert_true(fabs(pdyn_get_probe(sim, 1).value[0] - 0.4) < 0.01);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* ---- momentum -------------------------------------------------------------------------------- */
@@ -127,19 +125,17 @@ static void test_momentum(void **state) {
     (void)state;
     static const char *const solver[] = {"solver.type=dual", "solver.type=cg"};
     for (int k = 0; k < 2; k++) {
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim = test_load_with(context, drops, &solver[k], 1);
+        pdyn_sim *sim = test_open_with(drops, &solver[k], 1);
         double change[3] = {0};
         add_momentum(sim, -1.0, change);
-        for (int step = 0; step < 60; step++) test_step(context, sim);
+        for (int step = 0; step < 60; step++) test_step(sim);
         add_momentum(sim, 1.0, change);
         assert_true(vec3_length(change) < 1e-12 * 2.0);
         double moved = 0.0; /* the foam is pushed */
         for (int i = sim->body[1].first; i < sim->objective.particles; i++)
             moved = fmax(moved, sim->v[3 * i]);
         assert_true(moved > 0.5);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -159,16 +155,14 @@ static const char filling[] =
 
 static void test_inlets(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, filling);
+    pdyn_sim *sim = test_open(filling);
     assert_int_equal(live_particles_count(sim, 0), 10 * 5 * 10);
     assert_int_equal(live_particles_count(sim, 1), 32); /* two layers of the upper inlet */
-    while (pdyn_time(sim) < 0.2) test_step(context, sim);
+    while (pdyn_time(sim) < 0.2) test_step(sim);
     assert_int_equal(live_particles_count(sim, 1), 64);
     for (int i = sim->body[1].first; i < sim->objective.particles; i++)
         assert_true(fabs(sim->objective.mass[i] - 800 * 8e-6) < 1e-12);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* ---- memory ---------------------------------------------------------------------------------- */
@@ -178,12 +172,11 @@ static void test_memory(void **state) {
     struct counter counter;
     pdyn_context *context = test_counting_context(2, &counter);
     pdyn_sim *sim = test_load(context, drops);
-    for (int step = 0; step < 60; step++) test_step(context, sim);
+    for (int step = 0; step < 60; step++) test_step(sim);
     long before = counter.calls;
-    for (int step = 0; step < 10; step++) test_step(context, sim);
+    for (int step = 0; step < 10; step++) test_step(sim);
     assert_int_equal(counter.calls, before);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     test_failing_scene(SOLVED(HALVES, "dual"));
 }
 
@@ -212,12 +205,10 @@ static uint64_t run(const char *text, const char *set, int threads, int before) 
             assert_int_equal(pdyn_restore(sim, "state"), PDYN_OK);
             test_remove_file("state");
         }
-        test_step(context, sim);
+        test_step(sim);
     }
     uint64_t hash = pdyn_state_hash(sim);
-    pdyn_free(sim);
-    assert_int_equal(pdyn_bytes_in_use(context), 0);
-    pdyn_destroy(context);
+    test_close(sim);
     return hash;
 }
 

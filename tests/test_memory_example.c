@@ -12,10 +12,9 @@ static void test_hash(void **state) {
     snprintf(path, sizeof path, "%s/scenes/water_on_cloth.json", getenv("PROJDYN_SOURCE_ROOT"));
     if (pdyn_load(context, path, NULL, 0, &sim) != PDYN_OK)
         fail_msg("%s", pdyn_last_error(context));
-    test_step(context, sim);
+    test_step(sim);
     snprintf(expected, sizeof expected, "%016llx\n", (unsigned long long)pdyn_state_hash(sim));
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     snprintf(path, sizeof path, "'%s' 1", program);
     FILE *output = popen(path, "r");
     assert_non_null(output);

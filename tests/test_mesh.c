@@ -378,8 +378,8 @@ static void test_bad_files(void **state) {
 static void expect_unreadable(const char *name, const char *message) {
     struct mesh mesh;
     assert_int_equal(mesh_read(context, name, &mesh), PDYN_IO_FAILED);
-    assert_error(context, name);
-    assert_error(context, message);
+    assert_error(name);
+    assert_error(message);
     assert_null(mesh.vertex);
 }
 
@@ -501,7 +501,7 @@ static void expect_sane(const void *what, const char *data, size_t size) {
         mesh_free(context, &mesh);
     } else {
         assert_int_equal(status, PDYN_BAD_INPUT);
-        assert_error(context, sample->name);
+        assert_error(sample->name);
     }
     assert_int_equal(pdyn_bytes_in_use(context), before);
 }

@@ -37,7 +37,7 @@ static void assert_near(const char *what, double found, double due, double toler
 /* Means over time of the first value of each probe. */
 static void find_means(pdyn_sim *sim, double from, double to, double *mean) {
     for (int steps = 0; pdyn_time(sim) < to;) {
-        test_step(context, sim);
+        test_step(sim);
         if (pdyn_time(sim) < from) continue;
         steps++;
         for (int k = 0; pdyn_get_probe(sim, k).name; k++)
@@ -86,7 +86,7 @@ static void test_places(void **state) {
     const double *corner = sim->x + 3 * (size_t)sim->body[1].first;
     for (int n = 0; n < 100; n++) {
         const struct probe_place *place = sim->probes->place;
-        test_step(context, sim);
+        test_step(sim);
         assert_place(place[0].x, corner);
         assert_place(place[0].x + 3, corner + 3 * 7);
         double angle = 0.5 * acos(-1.0) * sim->time;
@@ -105,7 +105,7 @@ static void test_control(void **state) {
     pdyn_sim *sim = test_load(context, quoted(TURNING)), *other;
     double corners[8 * 3];
     for (int k = 0; k < COUNT(corners); k++) corners[k] = sim->body[1].rest[k] + 3.0;
-    test_step(context, sim);
+    test_step(sim);
     assert_int_equal(
         pdyn_move_solid(sim, 0, 0.02, (const double[]){0, 0, 2}, (const double[]){0, 0, 90}),
         PDYN_OK);
@@ -116,7 +116,7 @@ static void test_control(void **state) {
     remove("moved.state");
     for (int n = 0; n < 2; n++) {
         pdyn_sim *s = n ? other : sim;
-        test_step(context, s);
+        test_step(s);
         assert_place(s->probes->place[0].x, s->x + 3 * (size_t)s->body[1].first);
         assert_place(s->probes->place[1].x, (const double[]){1, 0, 3});
     }
@@ -183,7 +183,7 @@ static void test_errors(void **state) {
         const char *const sets[] = {set};
         assert_int_equal(pdyn_load_text(context, quoted(PLATE("0", "0")), "test", sets, 1, &sim),
                          PDYN_BAD_INPUT);
-        assert_error(context, cases[k].message);
+        assert_error(cases[k].message);
     }
 }
 

@@ -95,8 +95,7 @@ static void test_restores(void **state) {
     assert_memory_equal(b->view.u, u, (size_t)n * sizeof *u);
     assert_memory_equal(b->view.p, p, (size_t)n * sizeof *p);
     free(y), free(u), free(p);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Steps of two lengths: a matrix is made once for each, as with the projective step, and without
@@ -122,8 +121,7 @@ static void test_without(void **state) {
     }
     assert_int_equal(matrix[0].values, matrix[1].values);
     assert_int_not_equal(matrix[1].values, matrix[2].values);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Eigenvalues -1, 0.5 and 3 become 0, 0.5 and 1; an asymmetric part is left out. */
@@ -155,15 +153,14 @@ static void test_steps(void **state) {
         pdyn_context *context = test_counting_context(1 + 2 * run, &counter);
         assert_int_equal(pdyn_register(context, &pdyn_plugin_table), PDYN_OK);
         pdyn_sim *sim = test_load(context, MAGNET);
-        for (int k = 0; k < 3; k++) test_step(context, sim);
+        for (int k = 0; k < 3; k++) test_step(sim);
         long before = counter.calls;
-        for (int k = 0; k < 3; k++) test_step(context, sim);
+        for (int k = 0; k < 3; k++) test_step(sim);
         assert_int_equal(counter.calls, before);
         n = 3 * sim->objective.particles;
         x[run] = test_vector(n);
         memcpy(x[run], sim->x, (size_t)n * sizeof **x);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
     assert_memory_equal(x[0], x[1], (size_t)n * sizeof **x);
     free(x[0]), free(x[1]);

@@ -34,13 +34,12 @@ static void run(const char *mesh, int vertex, int warnings, double x[3]) {
     pdyn_context *context = test_warned_context(1, &counter);
     pdyn_sim *sim;
     if (load(context, mesh, &sim) != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
-    for (int n = 0; n < 30; n++) test_step(context, sim);
+    for (int n = 0; n < 30; n++) test_step(sim);
     const pdyn_state s = pdyn_get_state(sim);
     for (int k = 0; k < 3 * s.particles; k++) assert_true(fabs(s.x[k]) < 100.0);
     for (int k = 0; k < 3; k++) x[k] = s.x[3 * vertex + k];
     assert_int_equal(counter.count, warnings);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* The orientation of triangles has no effect; disconnected pieces do not affect each other. */
@@ -76,14 +75,12 @@ static double swing(const char *mesh, int contact) {
         "'constraints': [{'type': 'triangle', 'stretching_stiffness': 1000}, {'type': 'pin', "
         "'vertices': {'vertices': [0, 2, 4, 6]}}]}]}";
     const char *set[] = {"contact={\"thickness\": 0.005}"};
-    pdyn_context *context = test_context(1);
     test_write_text("mesh.obj", mesh);
-    pdyn_sim *sim = test_load_with(context, text, set, contact);
+    pdyn_sim *sim = test_open_with(text, set, contact);
     test_remove_file("mesh.obj");
-    for (int n = 0; n < 20; n++) assert_true(test_step(context, sim).step_residual <= 0.1);
+    for (int n = 0; n < 20; n++) assert_true(test_step(sim).step_residual <= 0.1);
     double height = pdyn_get_state(sim).x[3 * 3 + 1];
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return height;
 }
 

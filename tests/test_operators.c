@@ -46,7 +46,7 @@ static void test_two(void **state) {
     int n = sim[0]->objective.particles;
     assert_true(sim[1]->objective.batches == 2 && sim[1]->anchored);
     for (int step = 0; step < 10; step++)
-        for (int k = 0; k < 3; k++) test_step(context, sim[k]);
+        for (int k = 0; k < 3; k++) test_step(sim[k]);
     for (int k = 1; k < 3; k++) {
         assert_true(test_distance(sim[0]->x, sim[k]->x, 3 * n) < 1e-5);
         for (int i = 0; i < n; i++) {

@@ -105,7 +105,7 @@ static void test_parameter_without_memory(void **state) {
                      PDYN_NO_MEMORY);
     largest = SIZE_MAX;
     assert_true(pdyn_get_parameter(sim, BENDS, 0).value == 1e-3);
-    for (int k = 0; k < 5; k++) test_step(small, sim), test_step(context, other);
+    for (int k = 0; k < 5; k++) test_step(sim), test_step(other);
     for (int k = 0; k < 3 * VERTICES; k++) assert_true(fabs(sim->x[k] - other->x[k]) < 1e-6);
     pdyn_free(sim);
     pdyn_free(other);

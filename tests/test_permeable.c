@@ -42,7 +42,7 @@ static struct run run(const char *text, int threads, int steps) {
     for (int k = 0; k < sim->objective.particles; k++)
         start += sim->objective.mass[k] * sim->v[3 * k + 1];
     for (int step = 0; step < steps; step++) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         assert_int_equal(info.leaked, 0);
         run.pins = info.pin_reaction[1];
     }
@@ -51,8 +51,7 @@ static struct run run(const char *text, int threads, int steps) {
     run.net = -mean_velocity(sim, &sim->body[1], 1);
     for (int a = 0; a < 3; a++) run.water[a] = mean_velocity(sim, &sim->body[0], a);
     run.momentum = start == 0.0 ? 0.0 : fabs(end / start - 1.0), run.hash = pdyn_state_hash(sim);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return run;
 }
 
@@ -85,7 +84,7 @@ static void test_threads(void **state) {
 }
 
 /* A net without resistance changes nothing: the water stays a lattice, also with contact. */
-static void test_open(void **state) {
+static void test_no_resistance(void **state) {
     (void)state;
     struct run net = run(BLOCK(", 'contact': {'thickness': 0.002}", "[0, -0.4, 0]",
                                "'area_density': 0.2, 'permeability': 1e6", PINS("'all': true")),
@@ -114,7 +113,7 @@ static void test_sinks_long(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_held),       cmocka_unit_test(test_carried),
-        cmocka_unit_test(test_threads),    cmocka_unit_test(test_open),
+        cmocka_unit_test(test_threads),    cmocka_unit_test(test_no_resistance),
         cmocka_unit_test(test_sinks_long),
     };
     return cmocka_run_group_tests_name("permeable", tests, NULL, NULL);

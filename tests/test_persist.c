@@ -100,20 +100,20 @@ static const char parted[] =
     "[[0, 0, 0, 0], [1, 2, 0, 0]]}]}], 'solids': [{'name': 'tank', 'box': {'minimum': [0, 0, 0], "
     "'maximum': [0.4, 0.7, 0.24]}}]}";
 
-static void step_often(pdyn_context *context, pdyn_sim *sim, int steps) {
-    for (int k = 0; k < steps; k++) test_step(context, sim);
+static void step_often(pdyn_sim *sim, int steps) {
+    for (int k = 0; k < steps; k++) test_step(sim);
 }
 
 /* Saves after `before` steps, restores into a new simulation and compares further steps. */
 static void goes_on(const char *text, const char *set, int before) {
     pdyn_context *context = test_context(2);
     pdyn_sim *first = test_load_with(context, text, &set, 1);
-    step_often(context, first, before);
+    step_often(first, before);
     assert_int_equal(pdyn_save(first, "state"), PDYN_OK);
-    step_often(context, first, 6);
+    step_often(first, 6);
     pdyn_sim *second = test_load_with(context, text, &set, 1);
     assert_int_equal(pdyn_restore(second, "state"), PDYN_OK);
-    step_often(context, second, 6);
+    step_often(second, 6);
     assert_true(pdyn_time(first) == pdyn_time(second));
     assert_true(pdyn_state_hash(first) == pdyn_state_hash(second));
     pdyn_free(first), pdyn_free(second);
@@ -145,7 +145,7 @@ static void goes_on_from_each(const char *text, int steps) {
     for (int step = 0; step < steps; step++) {
         snprintf(name, sizeof name, "state_%d", step);
         assert_int_equal(pdyn_save(sim, name), PDYN_OK);
-        test_step(context, sim);
+        test_step(sim);
         hash[step + 1] = pdyn_state_hash(sim);
     }
     pdyn_free(sim);
@@ -154,7 +154,7 @@ static void goes_on_from_each(const char *text, int steps) {
         sim = test_load(context, text);
         assert_int_equal(pdyn_restore(sim, name), PDYN_OK);
         for (int step = begin; step < steps && step < begin + FURTHER; step++) {
-            test_step(context, sim);
+            test_step(sim);
             if (pdyn_state_hash(sim) != hash[step + 1])
                 fail_msg("from step %d on, step %d differs", begin, step);
         }
@@ -177,10 +177,9 @@ static void test_every_step_long(void **state) {
 /* What a program has changed does not outlast the restoring of a state without it. */
 static void test_program(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, sheet);
+    pdyn_sim *sim = test_open(sheet);
     double *force = calloc(3 * (size_t)sim->objective.particles, sizeof *force), stiffness = 500.0;
-    step_often(context, sim, 2);
+    step_often(sim, 2);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
     assert_int_equal(pdyn_set_forces(sim, 0, sim->objective.particles, force), PDYN_OK);
     assert_int_equal(pdyn_set_parameter(sim, 1, "stretching_stiffness", &stiffness, 1), PDYN_OK);
@@ -188,8 +187,7 @@ static void test_program(void **state) {
     assert_int_equal(pdyn_restore(sim, "state"), PDYN_OK);
     assert_true(!sim->control.driven && !sim->control.force);
     free(force);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     test_remove_file("state");
 }
 
@@ -198,7 +196,7 @@ static void goes_on_in_memory(const char *text) {
     pdyn_context *context = test_context(1);
     pdyn_sim *first = test_load(context, text), *second = test_load(context, text);
     size_t size = 0, again = 0;
-    step_often(context, first, 8);
+    step_often(first, 8);
     assert_int_equal(pdyn_save_memory(first, NULL, 0, &size), PDYN_OK);
     unsigned char *buffer = malloc(size), *bytes = malloc(size);
     assert_int_equal(pdyn_save_memory(first, buffer, size - 1, &again), PDYN_BAD_CALL);
@@ -210,7 +208,7 @@ static void goes_on_in_memory(const char *text) {
     assert_int_equal(fclose(file), 0);
     assert_memory_equal(bytes, buffer, size);
     assert_int_equal(pdyn_restore_memory(second, buffer, size), PDYN_OK);
-    step_often(context, first, 6), step_often(context, second, 6);
+    step_often(first, 6), step_often(second, 6);
     assert_true(pdyn_state_hash(first) == pdyn_state_hash(second));
     free(buffer), free(bytes);
     pdyn_free(first), pdyn_free(second);
@@ -228,15 +226,13 @@ static void test_memory(void **state) {
 
 /* Loads the sheet with an override; restoring its state must be refused with this text. */
 static void refused(const char *set, const char *says) {
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load_with(context, sheet, &set, 1);
+    pdyn_sim *sim = test_open_with(sheet, &set, 1);
     uint64_t hash = pdyn_state_hash(sim);
     assert_int_equal(pdyn_restore(sim, "state"), PDYN_BAD_INPUT);
-    assert_error(context, says);
+    assert_error(says);
     assert_true(pdyn_state_hash(sim) == hash);
     assert_int_equal(pdyn_step(sim, NULL), PDYN_OK);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void damage(long at, int by) {
@@ -258,13 +254,13 @@ static void test_other_settings(void **state) {
                                        "bodies.sheet.color=\"#102030\""};
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, sheet);
-    step_often(context, sim, 3);
+    step_often(sim, 3);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
     pdyn_sim *other = test_load_with(context, sheet, sets, sizeof sets / sizeof *sets);
     if (pdyn_restore(other, "state") != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
     assert_true(pdyn_time(other) == pdyn_time(sim));
     assert_true(pdyn_state_hash(other) == pdyn_state_hash(sim));
-    assert_true(test_step(context, other).h < 0.00101);
+    assert_true(test_step(other).h < 0.00101);
     test_remove_file("state");
     pdyn_free(sim), pdyn_free(other);
     pdyn_destroy(context);
@@ -272,9 +268,8 @@ static void test_other_settings(void **state) {
 
 static void test_refused(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, sheet);
-    step_often(context, sim, 3);
+    pdyn_sim *sim = test_open(sheet);
+    step_often(sim, 3);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
     refused("bodies.sheet.constraints.spring.stretching_stiffness=1001", "\"bodies\" in its scene");
     refused("bodies.water.particles.radius=0.019", "\"bodies\" in its scene");
@@ -296,8 +291,7 @@ static void test_refused(void **state) {
     }
     assert_int_equal(pdyn_restore(sim, "nothing"), PDYN_IO_FAILED);
     assert_int_equal(pdyn_save(sim, "no/directory"), PDYN_IO_FAILED);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     test_remove_file("state");
 }
 
@@ -323,7 +317,7 @@ static void test_changed_meshes(void **state) {
                 "'solids': [{'mesh': 'rock.obj'}]}");
             if (!changed) assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
             if (changed) assert_int_equal(pdyn_restore(sim, "state"), PDYN_BAD_INPUT);
-            if (changed) assert_error(context, "meshes");
+            if (changed) assert_error("meshes");
             pdyn_free(sim);
         }
         pdyn_destroy(context);
@@ -340,22 +334,19 @@ static pdyn_status fail_to_persist(void *self, pdyn_snapshot *snapshot) {
 /* A module that cannot write makes the save fail, and the file of the last save stays. */
 static void test_failing_module(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, sheet);
+    pdyn_sim *sim = test_open(sheet);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
     uint64_t hash = pdyn_state_hash(sim);
     pdyn_global_solver failing = *sim->choice.slot[0].solver;
     sim->choice.slot[0].solver = &failing, failing.persist = fail_to_persist;
-    step_often(context, sim, 3);
+    step_often(sim, 3);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_SOLVER_FAILED);
     assert_int_equal(pdyn_save(sim, "other"), PDYN_SOLVER_FAILED);
     assert_int_equal(pdyn_restore(sim, "other"), PDYN_IO_FAILED);
     failing.persist = NULL;
     assert_int_equal(pdyn_restore(sim, "state"), PDYN_OK);
     assert_true(pdyn_state_hash(sim) == hash);
-    pdyn_free(sim);
-    assert_int_equal(pdyn_bytes_in_use(context), 0);
-    pdyn_destroy(context);
+    test_close(sim);
     test_remove_file("state");
 }
 
@@ -367,7 +358,7 @@ static void test_failing_hold(void **state) {
     pdyn_sim *sim = test_load(context, sheet);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
     uint64_t hash = pdyn_state_hash(sim);
-    step_often(context, sim, 3);
+    step_often(sim, 3);
     assert_int_equal(pdyn_hold(sim, 0, 10.0, (double[]){0, 0, 0}), PDYN_OK);
     test_allow(&counter, 1);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_NO_MEMORY);
@@ -376,8 +367,7 @@ static void test_failing_hold(void **state) {
     sim = test_load(context, sheet);
     assert_int_equal(pdyn_restore(sim, "state"), PDYN_OK);
     assert_true(pdyn_state_hash(sim) == hash);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     test_remove_file("state");
 }
 
@@ -396,7 +386,7 @@ static void test_failing_allocator(void **state) {
     struct counter counter;
     pdyn_context *context = test_counting_context(1, &counter);
     pdyn_sim *sim = test_load(context, sheet);
-    step_often(context, sim, 3);
+    step_often(sim, 3);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
     pdyn_free(sim);
     assert_true(test_failing_allocations(context, &counter, load_and_restore, &context) > 50);

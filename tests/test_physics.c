@@ -33,23 +33,21 @@ static void test_momentum(void **state) {
                             SHEET("31", ELASTIC)),
                        ""),
                  solvers[k]);
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim = test_load(context, text);
+        pdyn_sim *sim = test_open(text);
         double mass = 0.0, first[3] = {0};
         const pdyn_state s = pdyn_get_state(sim);
         for (int i = 0; i < s.particles; i++)
             mass += s.mass[i], vec3_add(first, s.mass[i], s.v + 3 * i);
         bool touched = false;
         for (int n = 0; n < 15; n++) {
-            pdyn_step_info info = test_step(context, sim);
+            pdyn_step_info info = test_step(sim);
             touched |= info.constraint_energy > 1e-6;
             if (vec3_distance(info.momentum, first) > 1e-12 * vec3_length(first))
                 fail_msg("solver %zu, step %d: momentum moved by %g of %g", k, n,
                          vec3_distance(info.momentum, first), vec3_length(first));
         }
         assert_true(touched && mass > 30.0);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -69,42 +67,37 @@ static void add_linear(void *user, const pdyn_iteration *it) {
  * change sides: each step is solved to its tolerance. */
 static void test_stiff_column(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim =
-        test_load(context, TANK("'time_step': {'fixed': 0.005}, 'solver': {'tolerance': 0.1, "
-                                "'linear_tolerance': 0.1, 'linear_iterations': 2000}",
-                                "0.08", "0.4", "0.5", "'stiffness': 4e6"));
+    pdyn_sim *sim = test_open(TANK("'time_step': {'fixed': 0.005}, 'solver': {'tolerance': 0.1, "
+                                   "'linear_tolerance': 0.1, 'linear_iterations': 2000}",
+                                   "0.08", "0.4", "0.5", "'stiffness': 4e6"));
     int linear = 0;
     pdyn_observe(sim, add_linear, &linear);
     for (int step = 0; step < 20; step++) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         assert_int_equal(linear, info.linear_iterations); /* the observer sees every iteration */
         linear = 0;
         assert_true(info.step_residual <= 0.1);
         assert_true(info.density_error_max < 1e-3);
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A tank of forty particles' depth with ten iterations per step from the start: the water comes to
  * rest without splashes, which steps of 5 ms would cause. */
 static void test_deep_water(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, TANK("'time_step': {'maximum': 0.005}, 'solver': {'tolerance': 0, "
-                      "'linear_tolerance': 0, 'outer_iterations': 1, 'linear_iterations': 10}",
-                      "0.08", "0.8", "1", "'stiffness': 7e4"));
+    pdyn_sim *sim =
+        test_open(TANK("'time_step': {'maximum': 0.005}, 'solver': {'tolerance': 0, "
+                       "'linear_tolerance': 0, 'outer_iterations': 1, 'linear_iterations': 10}",
+                       "0.08", "0.8", "1", "'stiffness': 7e4"));
     pdyn_step_info info = {0};
     while (info.time < 1.0) {
-        info = test_step(context, sim);
+        info = test_step(sim);
         assert_true(info.kinetic_energy < 0.01 * info.potential_energy);
         assert_true(info.density_error_max < 0.005);
     }
     assert_true(info.kinetic_energy < 1e-3 * info.potential_energy);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* With steps of 5 ms there is one warning; none if every step is solved. */
@@ -120,10 +113,9 @@ static void test_long_step(void **state) {
         struct warnings warnings = {"the fixed step", 0};
         pdyn_context *context = test_warned_context(1, &warnings);
         pdyn_sim *sim = test_load(context, scene[solved]);
-        for (int step = 0; step < 20; step++) test_step(context, sim);
+        for (int step = 0; step < 20; step++) test_step(sim);
         assert_int_equal(warnings.count, !solved);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -131,15 +123,14 @@ static void test_long_step(void **state) {
  * walls push along their normals, so the particles at walls are carried by the others. */
 static void test_narrow_tank(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, TANK("'time_step': {'maximum': 0.005}, 'solver': {'tolerance': 0.01, "
-                      "'linear_tolerance': 0, 'outer_iterations': 1, 'linear_iterations': 20}",
-                      "0.16", "0.4", "0.6", "'stiffness': 4e4"));
+    pdyn_sim *sim =
+        test_open(TANK("'time_step': {'maximum': 0.005}, 'solver': {'tolerance': 0.01, "
+                       "'linear_tolerance': 0, 'outer_iterations': 1, 'linear_iterations': 20}",
+                       "0.16", "0.4", "0.6", "'stiffness': 4e4"));
     const pdyn_state s = pdyn_get_state(sim);
     double sum[2] = {0}, count[2] = {0}, middle[2] = {0.1, 0.3};
     while (pdyn_time(sim) < 1.5) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         if (info.time < 1.0) continue;
         for (int i = 0; i < s.particles; i++)
             for (int k = 0; k < 2; k++)
@@ -147,14 +138,12 @@ static void test_narrow_tank(void **state) {
     }
     double slope = (sum[0] / count[0] - sum[1] / count[1]) / (middle[1] - middle[0]);
     assert_true(slope > 0.99 * 1000.0 * 9.81 && slope < 1.09 * 1000.0 * 9.81);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Kinetic energy of a block of water 0.25 s after its release, J. */
 static double collapsed_energy(const char *solver) {
     char text[1024];
-    pdyn_context *context = test_context(1);
     pdyn_step_info info = {0};
     snprintf(text, sizeof text,
              SCENE("'duration': 0.25, 'frame_interval': 0.25, 'time_step': {'fixed': 0.005}, "
@@ -163,11 +152,10 @@ static double collapsed_energy(const char *solver) {
                              ", 'stiffness': 3e5"),
                    ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [1.5, 1, 1]}}]"),
              solver);
-    pdyn_sim *sim = test_load(context, text);
-    for (int step = 0; step < 50; step++) info = test_step(context, sim);
+    pdyn_sim *sim = test_open(text);
+    for (int step = 0; step < 50; step++) info = test_step(sim);
     assert_true(info.density_error_mean < 1e-3);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return info.kinetic_energy;
 }
 
@@ -185,7 +173,6 @@ static void test_cut_short(void **state) {
  * own width, where it comes to rest at 0.06 m. */
 static double bounce(const char *compression) {
     char text[1024];
-    pdyn_context *context = test_context(1);
     double lowest = 1.0, after = 0.0;
     snprintf(text, sizeof text,
              SCENE("'duration': 0.5, 'frame_interval': 0.05, 'time_step': {'maximum': 0.001}, "
@@ -194,17 +181,16 @@ static double bounce(const char *compression) {
                              ", 'compression': %s"),
                    ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.12, 1, 0.12]}}]"),
              compression);
-    pdyn_sim *sim = test_load(context, text);
+    pdyn_sim *sim = test_open(text);
     const pdyn_state state = pdyn_get_state(sim);
     while (pdyn_time(sim) < 0.5) {
         double middle = 0.0;
-        test_step(context, sim);
+        test_step(sim);
         for (int i = 0; i < state.particles; i++) middle += state.x[3 * i + 1] / state.particles;
         if (middle < lowest) lowest = middle, after = middle;
         after = fmax(after, middle);
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return after;
 }
 
@@ -233,19 +219,18 @@ static double relative_pressure(const pdyn_state *s, double surface) {
  * depth (and up to 9 % more, see test_narrow_tank). */
 static void test_hydrostatic_rest(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
     pdyn_sim *sim =
-        test_load(context, SCENE("'duration': 2, 'frame_interval': 0.02, 'time_step': {'maximum': "
-                                 "0.005}, 'solver': {'tolerance': 0.01, 'linear_tolerance': 0.01}",
-                                 WATER("", "0, 0, 0", "0.4, 0.5, 0.4"),
-                                 ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.4, "
-                                 "0.8, 0.4]}, 'open': ['+y']}]"));
+        test_open(SCENE("'duration': 2, 'frame_interval': 0.02, 'time_step': {'maximum': "
+                        "0.005}, 'solver': {'tolerance': 0.01, 'linear_tolerance': 0.01}",
+                        WATER("", "0, 0, 0", "0.4, 0.5, 0.4"),
+                        ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.4, "
+                        "0.8, 0.4]}, 'open': ['+y']}]"));
     const pdyn_state s = pdyn_get_state(sim);
     pdyn_step_info info;
     double top = 0.0, pressed = 0.0;
-    while (pdyn_time(sim) < 0.9) info = test_step(context, sim);
+    while (pdyn_time(sim) < 0.9) info = test_step(sim);
     for (int frame = 0; frame < 10; frame += info.frame) {
-        info = test_step(context, sim);
+        info = test_step(sim);
         if (info.frame) pressed += 0.1 * relative_pressure(&s, 0.495);
     }
     for (int i = 0; i < s.particles; i++) {
@@ -257,35 +242,30 @@ static void test_hydrostatic_rest(void **state) {
     assert_true(pressed > 0.99 && pressed < 1.09);
     assert_true(info.density_error_mean < 1e-3 && info.density_error_max < 1e-2);
     assert_true(info.kinetic_energy < 1e-3 * info.potential_energy);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A hanging sheet at rest: the pins carry its weight. Their reaction is the gradient of everything
  * else at the pinned points. */
 static void test_pin_reaction(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
     pdyn_sim *sim =
-        test_load(context, SCENE("'duration': 60, 'frame_interval': 0.05, 'time_step': {'fixed': "
-                                 "0.05, 'integrator': 'euler'}, 'solver': {'tolerance': 1e-6, "
-                                 "'linear_tolerance': 1e-3, 'outer_iterations': 100}",
-                                 SHEET("9", PAIR(ELASTIC, PINS("'vertices': [0, 8]"))), ""));
+        test_open(SCENE("'duration': 60, 'frame_interval': 0.05, 'time_step': {'fixed': "
+                        "0.05, 'integrator': 'euler'}, 'solver': {'tolerance': 1e-6, "
+                        "'linear_tolerance': 1e-3, 'outer_iterations': 100}",
+                        SHEET("9", PAIR(ELASTIC, PINS("'vertices': [0, 8]"))), ""));
     pdyn_step_info info;
-    for (int n = 0; n < 400; n++) info = test_step(context, sim);
+    for (int n = 0; n < 400; n++) info = test_step(sim);
     assert_true(info.kinetic_energy < 1e-6);
     assert_true(fabs(info.pin_reaction[1] / (0.3 * 9.81) - 1.0) < 0.005);
     assert_true(fabs(info.pin_reaction[0]) < 0.01 && fabs(info.pin_reaction[2]) < 0.01);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Pinned points follow their path. */
 static void test_pin_path(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
+    pdyn_sim *sim = test_open(
         SCENE("'duration': 1, 'gravity': [0, 0, 0], 'frame_interval': 0.01, 'time_step': {'fixed': "
               "0.01}, 'solver': {'tolerance': 1e-6}",
               SHEET("5", PAIR(ELASTIC, "{'type': 'pin', 'vertices': {'all': true}, 'path': [[0, 0, "
@@ -294,14 +274,13 @@ static void test_pin_path(void **state) {
     const pdyn_state s = pdyn_get_state(sim);
     double start[3] = {s.x[0], s.x[1], s.x[2]};
     for (int n = 1; n <= 30; n++) {
-        test_step(context, sim);
+        test_step(sim);
         double t = 0.01 * n,
                expected[3] = {start[0] + fmin(1.0, 10.0 * t),
                               start[1] + 20.0 * fmin(0.1, fmax(0.0, t - 0.1)), start[2]};
         assert_true(vec3_distance(s.x, expected) < 1e-3);
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A coupled scene with many parallel blocks: the same bits for any number of threads. */
@@ -317,11 +296,9 @@ static void test_threads(void **state) {
                                           SHEET("41", PAIR(ELASTIC, PINS("'border': true")))),
                                      ", 'solids': [{'box': {'minimum': [-1, 0, -1], 'maximum': "
                                      "[1.4, 1, 1.4]}, 'open': ['+y']}]"));
-        for (int n = 0; n < 6; n++) test_step(context, sim);
+        for (int n = 0; n < 6; n++) test_step(sim);
         hash[k] = pdyn_state_hash(sim);
-        pdyn_free(sim);
-        assert_int_equal(pdyn_bytes_in_use(context), 0);
-        pdyn_destroy(context);
+        test_close(sim);
         assert_true(hash[k] == hash[0]);
     }
 }
@@ -329,15 +306,13 @@ static void test_threads(void **state) {
 /* All steps of a fixed length have the same bits, so rounding causes no factorisation. */
 static void test_one_length(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, SCENE("'duration': 10, 'frame_interval': 0.02, 'time_step': {'fixed': 0.01}",
-                       SHEET("3", ELASTIC), ""));
-    double h = test_step(context, sim).h;
-    for (int k = 1; k < 200; k++) assert_true(test_step(context, sim).h == h);
+    pdyn_sim *sim =
+        test_open(SCENE("'duration': 10, 'frame_interval': 0.02, 'time_step': {'fixed': 0.01}",
+                        SHEET("3", ELASTIC), ""));
+    double h = test_step(sim).h;
+    for (int k = 1; k < 200; k++) assert_true(test_step(sim).h == h);
     assert_true(fabs(pdyn_time(sim) - 2.0) < 1e-12);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* 49 steps of 1/49 s are a duration of 1 s, although their sum is less by rounding. */
@@ -349,13 +324,11 @@ static void test_finished(void **state) {
              SCENE("'duration': 1, 'frame_interval': %.17g, 'time_step': {'fixed': %.17g}",
                    SHEET("3", ELASTIC), ""),
              1.0 / 49.0, 1.0 / 49.0);
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, text);
-    for (; !pdyn_is_finished(sim); steps++) test_step(context, sim);
+    pdyn_sim *sim = test_open(text);
+    for (; !pdyn_is_finished(sim); steps++) test_step(sim);
     assert_int_equal(steps, 49);
     assert_true(pdyn_has_reached(sim, 1.0) && !pdyn_has_reached(sim, 1.001));
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Of two bodies of particles, the smaller particles limit the step, in any order. */
@@ -370,31 +343,27 @@ static void test_two_radii(void **state) {
         SCENE("'duration': 1, 'time_step': {'maximum': 0.1}, 'gravity': [0, 0, 0]",
               DROPS("0.1", "1") ", " DROPS("0.01", "0"), "")};
     for (int k = 0; k < 2; k++) {
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim = test_load(context, scenes[k]);
-        double h = test_step(context, sim).h;
+        pdyn_sim *sim = test_open(scenes[k]);
+        double h = test_step(sim).h;
         assert_true(h <= 0.01 / 8 * (1 + 1e-9) && h > 0.8 * 0.01 / 8);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
 /* A diverging step fails, and the state before it stays. */
 static void test_divergence(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, SCENE("'duration': 1000, 'frame_interval': 100, 'time_step': {'fixed': 100}, "
-                       "'solver': {'retries': 0}",
-                       WATER("'velocity': [1e6, 0, 0], ", "0, 0, 0", "0.2, 0.2, 0.2"), ""));
+    pdyn_sim *sim =
+        test_open(SCENE("'duration': 1000, 'frame_interval': 100, 'time_step': {'fixed': 100}, "
+                        "'solver': {'retries': 0}",
+                        WATER("'velocity': [1e6, 0, 0], ", "0, 0, 0", "0.2, 0.2, 0.2"), ""));
     uint64_t before = pdyn_state_hash(sim);
     pdyn_step_info info;
     assert_int_equal(pdyn_step(sim, &info), PDYN_DIVERGED);
-    assert_error(context, "diverged");
+    assert_error("diverged");
     assert_true(pdyn_state_hash(sim) == before);
     assert_int_equal(pdyn_step(sim, &info), PDYN_BAD_CALL);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static const char *coupled = SCENE(
@@ -406,8 +375,7 @@ static const char *coupled = SCENE(
 /* Bodies, constraints and parameters by index; empty results beyond the last. */
 static void test_numbers(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, coupled);
+    pdyn_sim *sim = test_open(coupled);
     const pdyn_state s = pdyn_get_state(sim);
     for (int b = 0; b < s.bodies; b++) assert_non_null(pdyn_get_body(sim, b).name);
     for (int k = 0; k < s.constraints; k++) assert_non_null(pdyn_get_constraint(sim, k).type);
@@ -420,8 +388,7 @@ static void test_numbers(void **state) {
     assert_null(pdyn_get_parameter(sim, s.constraints, 0).name);
     assert_null(pdyn_get_parameter(sim, 0, -1).name);
     assert_null(pdyn_get_parameter(sim, 0, 99).name);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A warmed-up step allocates nothing. Lists grow until the water has spread on the sheet. */
@@ -430,13 +397,11 @@ static void test_no_allocation(void **state) {
     struct counter counter;
     pdyn_context *context = test_counting_context(2, &counter);
     pdyn_sim *sim = test_load(context, coupled);
-    for (int n = 0; n < 400; n++) test_step(context, sim);
+    for (int n = 0; n < 400; n++) test_step(sim);
     long before = counter.calls;
-    for (int n = 0; n < 20; n++) test_step(context, sim);
+    for (int n = 0; n < 20; n++) test_step(sim);
     assert_int_equal(counter.calls, before);
-    pdyn_free(sim);
-    assert_int_equal(pdyn_bytes_in_use(context), 0);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

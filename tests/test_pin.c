@@ -6,9 +6,7 @@
 
 static void test_turn(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
+    pdyn_sim *sim = test_open(
         SCENE("'duration': 1, 'gravity': [0, 0, 0], 'frame_interval': 0.01, 'time_step': {'fixed': "
               "0.01}, 'solver': {'tolerance': 1e-6}",
               GRID_SHEET("", "1, 1", "2, 2", "'area_density': 1",
@@ -20,23 +18,20 @@ static void test_turn(void **state) {
     const pdyn_state s = pdyn_get_state(sim);
     assert_int_equal(s.constraints, 2);
     for (int n = 1; n <= 20; n++) {
-        test_step(context, sim);
+        test_step(sim);
         double first = fmin(1.0, 0.1 * n), then = 0.1 * n - first, turn = 0.5 * acos(-1.0) * first;
         /* the turn about x comes before z: the point on the axis through the pivot stays */
         double x[3] = {0.5 * cos(turn), 0.5 * sin(turn), -0.5 + 3.0 * then};
         assert_true(vec3_distance(s.x + 3, x) < 1e-3);
         assert_true(vec3_distance(s.x + 9, (double[]){0.5, 0, 0.5}) < 1e-3);
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* The order of turns is that of "rotate". */
 static void test_order(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
+    pdyn_sim *sim = test_open(
         SCENE("'duration': 1, 'gravity': [0, 0, 0], 'frame_interval': 0.01, 'time_step': {'fixed': "
               "0.01}, 'solver': {'tolerance': 1e-6}",
               GRID_SHEET("", "1, 1", "2, 2", "'area_density': 1",
@@ -46,10 +41,9 @@ static void test_order(void **state) {
     double expected[12];
     for (int k = 0; k < 12; k++) expected[k] = sim->x[k];
     transform_points(&transform, expected, 4);
-    test_step(context, sim);
+    test_step(sim);
     assert_true(test_distance(sim->x, expected, 12) < 1e-3);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

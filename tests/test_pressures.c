@@ -30,7 +30,7 @@ static struct run pour(const char *scene, const char *solver, int threads, doubl
     struct run run = {0};
     pdyn_sim *sim = test_load_with(context, scene, &solver, 1);
     while (pdyn_time(sim) < seconds - 1e-9) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         run.steps++, run.kinetic = info.kinetic_energy;
         run.unsolved += info.step_residual > sim->scene.settings.tolerance;
         assert_int_equal(info.leaked, 0);
@@ -39,8 +39,7 @@ static struct run pour(const char *scene, const char *solver, int threads, doubl
     for (int k = 0; k < 3 * s.particles; k++) run.x[k % 3] += s.x[k] / s.particles;
     run.dual_steps = sim->choice.dual_steps, run.work = sim->objective.work;
     run.hash = pdyn_state_hash(sim);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return run;
 }
 
@@ -85,9 +84,8 @@ static void test_very_stiff(void **state) {
  * its own damping back. */
 static void test_surprise(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, POUR(ROUGH, "1e6"));
-    test_step(context, sim);
+    pdyn_sim *sim = test_open(POUR(ROUGH, "1e6"));
+    test_step(sim);
     assert_int_equal(sim->choice.active, 0);
     solver_choice_open(sim);
     sim->objective.work += 4 * (int64_t)sim->choice.slot[0].cost;
@@ -106,8 +104,7 @@ static void test_surprise(void **state) {
     assert_true(sim->choice.slot[0].cost == sim->choice.slot[1].cost);
     assert_true(solver_choice_hand_over(sim));
     assert_true(sim->eps == 0.25);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Ends a step of so much work. */
@@ -120,8 +117,7 @@ static void end_step(pdyn_sim *sim, int64_t work) {
 /* A single cheap step wins no trial: it takes four steps with a lower mean. */
 static void test_trial(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, POUR(ROUGH, "1e6"));
+    pdyn_sim *sim = test_open(POUR(ROUGH, "1e6"));
     const int64_t lost[] = {100, 10, 200}, won[] = {10, 150, 100, 90};
     const struct solver_choice *c = &sim->choice;
     end_step(sim, lost[0]);
@@ -136,8 +132,7 @@ static void test_trial(void **state) {
         end_step(sim, won[k]);
     }
     assert_true(c->active == 1 && !c->trial);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A product with H visits each entry of rows once, and each density twice; vectors come in
@@ -145,9 +140,8 @@ static void test_trial(void **state) {
  */
 static void test_work(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, POUR(ROUGH, "1e4"));
-    test_step(context, sim);
+    pdyn_sim *sim = test_open(POUR(ROUGH, "1e4"));
+    test_step(sim);
     struct objective *o = &sim->objective;
     int64_t before = o->work, entries = (int64_t)WORK_OF_VECTORS * o->particles;
     for (int b = 0; b < o->batches; b++) {
@@ -156,8 +150,7 @@ static void test_work(void **state) {
     }
     objective_apply(o, sim->gradient, sim->direction);
     assert_true(entries > 0 && o->work - before == entries);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static double remainder_norm(pdyn_model *model, const double *r) {
@@ -190,9 +183,8 @@ static double push_sheet(pdyn_sim *sim, double tolerance, double *y) {
  * the residual has fallen as far. */
 static void test_remainder_error(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, POUR(ROUGH, "1e4"));
-    while (pdyn_time(sim) < 0.05) test_step(context, sim);
+    pdyn_sim *sim = test_open(POUR(ROUGH, "1e4"));
+    while (pdyn_time(sim) < 0.05) test_step(sim);
     assert_int_equal(solver_view_linearise(&sim->model, 0.0), PDYN_OK);
     pdyn_model *A = sim->model.model.remainder;
     assert_null(A->matrix);
@@ -208,8 +200,7 @@ static void test_remainder_error(void **state) {
     A->product(A, y, Ay);
     assert_true(sqrt(A->dot(A, y, Ay)) < 0.3 * size);
     free(vectors);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void test_threads(void **state) {

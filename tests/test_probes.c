@@ -44,7 +44,7 @@ static void find_means(pdyn_sim *sim, double from, double to, double *mean) {
     int steps = 0;
     while (pdyn_time(sim) < to) {
         pdyn_probe_info probe;
-        test_step(context, sim);
+        test_step(sim);
         if (pdyn_time(sim) < from) continue;
         steps++;
         for (int k = 0; (probe = pdyn_get_probe(sim, k)).name; k++)
@@ -114,7 +114,7 @@ static double plane(const double *x, double slope) {
 static void test_linear(void **state) {
     (void)state;
     pdyn_sim *sim = test_load(context, quoted(BLOCK("")));
-    test_step(context, sim);
+    test_step(sim);
     for (int i = 0; i < sim->objective.particles; i++) {
         sim->pressure[i] = plane(sim->x + 3 * i, 300.0);
         for (int a = 0; a < 3; a++) sim->v[3 * i + a] = plane(sim->x + 3 * i, 10.0 * a);
@@ -149,7 +149,7 @@ static void test_few(void **state) {
         pdyn_sim *sim = test_load(context, quoted(text));
         const double x[] = {0.0125, 0.04, 0.02, 0.0125, 0.07, 0.02, 1e300, 0, 0, 0, -1e9, 0};
         double pressure[4], v[12];
-        test_step(context, sim);
+        test_step(sim);
         for (int i = 0; i < sim->objective.particles; i++)
             sim->pressure[i] = 7.0, sim->v[3 * i] = 3.0;
         assert_int_equal(pdyn_fluid_at(sim, 4, x, pressure, v), PDYN_OK);
@@ -259,7 +259,7 @@ static void test_values(void **state) {
     const double *raw = pdyn_get_probe(sim, RAW).value, *found = pdyn_get_probe(sim, MEAN).value;
     pdyn_probe_info solid = pdyn_get_probe(sim, SOLID), pins = pdyn_get_probe(sim, HOLD);
     for (int n = 0; n < 20; n++) {
-        test_step(context, sim);
+        test_step(sim);
         for (int m = 0; m < 4; m++) { /* the pressure, and the velocity, which is not 0 at first */
             mean[m] += (n ? 1.0 - exp(-2e-3 / 0.01) : 1.0) * (raw[m] - mean[m]);
             assert_true(fabs(mean[m] - found[m]) <= 1e-9 * fabs(mean[m]));
@@ -289,7 +289,7 @@ static void test_values(void **state) {
 static void test_single_pins(void **state) {
     (void)state;
     pdyn_sim *sim = test_load(context, quoted(HUNG("1")));
-    for (int n = 0; n < 5; n++) test_step(context, sim);
+    for (int n = 0; n < 5; n++) test_step(sim);
     const double *all = pdyn_get_probe(sim, 0).value;
     for (int pin = 0; pin < 2; pin++) {
         double force[3], moment[3];
@@ -312,17 +312,16 @@ static void test_threads(void **state) {
         struct counter calls;
         pdyn_context *c = test_counting_context(1 + t, &calls);
         pdyn_sim *sim = test_load_with(c, everything, none, t == 0);
-        for (int n = 0; n < 10; n++) test_step(c, sim);
+        for (int n = 0; n < 10; n++) test_step(sim);
         test_allow(&calls, 0);
-        test_step(c, sim);
+        test_step(sim);
         test_allow(&calls, -1);
         hash[t] = pdyn_state_hash(sim), values[t] = HASH_BEGIN;
         pdyn_probe_info probe;
         for (int k = 0; (probe = pdyn_get_probe(sim, k)).name; k++)
             values[t] =
                 hash_bytes(values[t], probe.value, (size_t)probe.values * sizeof *probe.value);
-        pdyn_free(sim);
-        pdyn_destroy(c);
+        test_close(sim);
     }
     assert_true(hash[0] == hash[1] && hash[1] == hash[2]);
     assert_true(values[0] == HASH_BEGIN && values[1] != HASH_BEGIN && values[1] == values[2]);
@@ -337,7 +336,7 @@ static void test_memory(void **state) {
 
 static void write_steps(pdyn_sim *sim, pdyn_writer *writer, int steps) {
     for (int n = 0; n < steps; n++) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         assert_int_equal(pdyn_writer_step(writer, &info), PDYN_OK);
     }
 }
@@ -418,7 +417,7 @@ static void test_resume(void **state) {
 static void assert_refused(const char *text, const char *message) {
     pdyn_sim *sim;
     assert_int_equal(pdyn_load_text(context, quoted(text), "test", NULL, 0, &sim), PDYN_BAD_INPUT);
-    assert_error(context, message);
+    assert_error(message);
 }
 
 static void test_errors(void **state) {

@@ -24,7 +24,7 @@ static pdyn_sim *load(pdyn_context *context, pdyn_global_solver *failing, const 
     pdyn_sim *sim = test_load_with(context, drop, &set, 1);
     *failing = *(own = sim->solver), failing->solve = fail_where_long;
     objective_of_own = &sim->objective, longest = INFINITY, sim->solver = failing;
-    for (int k = 0; k < 5; k++) assert_int_equal(test_step(context, sim).retries, 0);
+    for (int k = 0; k < 5; k++) assert_int_equal(test_step(sim).retries, 0);
     longest = limit;
     return sim;
 }
@@ -35,14 +35,13 @@ static void test_shorter(void **state) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = load(context, &failing, "solver.retries=4", 0.0006);
     double time = pdyn_time(sim);
-    pdyn_step_info info = test_step(context, sim);
+    pdyn_step_info info = test_step(sim);
     assert_int_equal(info.retries, 2);
     assert_true(info.h <= 0.0006 && pdyn_time(sim) == time + info.h);
     longest = INFINITY;
-    for (int k = 0; k < 20; k++) info = test_step(context, sim);
+    for (int k = 0; k < 20; k++) info = test_step(sim);
     assert_true(info.retries == 0 && info.h > 0.003 && info.kinetic_energy < 0.1);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void ends(const char *set) {
@@ -53,11 +52,10 @@ static void ends(const char *set) {
     double history = sim->history;
     assert_true(history > 0.0);
     assert_int_equal(pdyn_step(sim, NULL), PDYN_DIVERGED);
-    assert_error(context, "step 6 of");
+    assert_error("step 6 of");
     assert_true(pdyn_state_hash(sim) == hash && sim->history == history);
     assert_int_equal(pdyn_step(sim, NULL), PDYN_BAD_CALL);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void test_used_up(void **state) {
@@ -74,8 +72,7 @@ static void test_out_of_range(void **state) {
         GRID_SHEET("'name': 'sheet', ", "1, 1", "3, 3", "'area_density': 0.5", SPRINGS("1000")),
         "");
     for (int k = 0; k < 2; k++) {
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim = test_load(context, falling);
+        pdyn_sim *sim = test_open(falling);
         int particles = pdyn_get_state(sim).particles;
         for (int i = 0; i < particles; i++) {
             if (k) sim->x[3 * i + 2] += 1.001 * STEP_MAX_POSITION;
@@ -83,10 +80,9 @@ static void test_out_of_range(void **state) {
         }
         uint64_t hash = pdyn_state_hash(sim);
         assert_int_equal(pdyn_step(sim, NULL), PDYN_DIVERGED);
-        assert_error(context, "beyond 1e+09 m or 1e+07 m/s");
+        assert_error("beyond 1e+09 m or 1e+07 m/s");
         assert_true(pdyn_state_hash(sim) == hash);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 

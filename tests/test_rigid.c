@@ -63,8 +63,7 @@ static double mass_of_two(double size, double at, int flips, int warnings) {
     double mass = sim->scene.body[0].mass;
     assert_int_equal(counter.count, warnings);
     test_remove_file("pieces.obj");
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return mass;
 }
 
@@ -105,10 +104,9 @@ static const double side[3] = {0.2, 0.4, 0.6};
 
 static void test_mass(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, "{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX(
-                                           ", 'translate': [3, 4, 5], 'rotate': [0, 90, 0], "
-                                           "'angular_velocity': [0, 0, 2]") "}]}");
+    pdyn_sim *sim = test_open("{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX(
+        ", 'translate': [3, 4, 5], 'rotate': [0, 90, 0], "
+        "'angular_velocity': [0, 0, 2]") "}]}");
     double m = 700.0 * side[0] * side[1] * side[2], c[3];
     const struct momenta p = momenta_of(sim);
     mean_of(sim, 0, sim->x, c);
@@ -117,37 +115,32 @@ static void test_mass(void **state) {
     double I = m / 12.0 * (side[1] * side[1] + side[2] * side[2]);
     assert_true(fabs(p.angular[2] - 2.0 * I) < 1e-12 * I);
     assert_true(vec3_length(p.linear) < 1e-12 * m);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Block Jacobi solves for rigid bodies exactly: one iteration is enough. */
 static void test_linear_solve(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
-        "{" STEPS_OF(
-            "0.01",
-            "[0, 0, 0]") ", 'solver': {'type': 'cg'}, "
-                         "'bodies': [" BOX(
-                             ", 'rotate': [10, 20, 30], "
-                             "'angular_velocity': [0, 1, 2]") ", 'constraints': [{'type': 'pin', "
-                                                              "'stiffness': 1e5, 'vertices': "
-                                                              "{'vertices': [0, 3]}}]}]}");
+    pdyn_sim *sim = test_open("{" STEPS_OF(
+        "0.01",
+        "[0, 0, 0]") ", 'solver': {'type': 'cg'}, "
+                     "'bodies': [" BOX(
+                         ", 'rotate': [10, 20, 30], "
+                         "'angular_velocity': [0, 1, 2]") ", 'constraints': [{'type': 'pin', "
+                                                          "'stiffness': 1e5, 'vertices': "
+                                                          "{'vertices': [0, 3]}}]}]}");
     const pdyn_stop stop = {.rel_tol = 1e-9, .max_iterations = 100, .first_of_step = true};
     uint64_t seed = 1;
     int iterations, n = 3 * sim->objective.particles;
     double *b = test_vector(n), *y = test_vector(n);
-    steps(context, sim, 3);
+    steps(sim, 3);
     for (int k = 0; k < n; k++) b[k] = test_random(&seed);
     assert_int_equal(solver_view_linearise(&sim->model, 0.0), PDYN_OK);
     objective_pull(&sim->objective, b);
     assert_int_equal(sim->solver->solve(sim->solver_state, b, y, &stop, &iterations), PDYN_OK);
     assert_int_equal(iterations, 1);
     free(b), free(y);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Centre of mass of the only body. */
@@ -163,23 +156,21 @@ static void centre_of_mass(const pdyn_sim *sim, double c[3]) {
  */
 static void test_ballast(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, "{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX(
-                                           ", 'translate': [3, 4, 5], 'rotate': [0, 90, 0], "
-                                           "'center_of_mass': [0.05, 0.1, 0], "
-                                           "'angular_velocity': [0, 0, 2]") "}]}");
+    pdyn_sim *sim = test_open("{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX(
+        ", 'translate': [3, 4, 5], 'rotate': [0, 90, 0], "
+        "'center_of_mass': [0.05, 0.1, 0], "
+        "'angular_velocity': [0, 0, 2]") "}]}");
     double c[3], middle[3], swung;
     centre_of_mass(sim, c);
     assert_true(fabs(c[0] - 3.0) < 1e-12 && fabs(c[1] - 4.1) < 1e-12 && fabs(c[2] - 4.95) < 1e-12);
     assert_true(vec3_length(momenta_of(sim).linear) < 1e-9);
-    while (pdyn_time(sim) < acos(-1.0) / 2.0 - 0.005) test_step(context, sim); /* half a turn */
+    while (pdyn_time(sim) < acos(-1.0) / 2.0 - 0.005) test_step(sim); /* half a turn */
     centre_of_mass(sim, c);
     mean_of(sim, 0, sim->x, middle);
     swung = middle[1] - 4.1; /* -0.1 before */
     assert_true(fabs(c[0] - 3.0) < 1e-9 && fabs(c[1] - 4.1) < 1e-9 && fabs(c[2] - 4.95) < 1e-9);
     assert_true(fabs(swung - 0.1) < 2e-3);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* The box spins about its middle axis and turns over after 1.34 s (Dzhanibekov effect). Its momenta
@@ -198,11 +189,10 @@ static void test_flight(void **state) {
                  "{'fixed': %g, 'integrator': '%s'}, 'bodies': [" BOX(
                      ", 'angular_velocity': [0.02, 10, 0.03]") ", 'velocity': [0.3, -0.2, 0.1]}]}",
                  h[k], integrators[k]);
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim = test_load(context, text);
+        pdyn_sim *sim = test_open(text);
         struct momenta start = momenta_of(sim);
         struct top top = {{0.02, 10.0, 0.03}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-        steps(context, sim, (int)(2.0 / h[k] + 0.5));
+        steps(sim, (int)(2.0 / h[k] + 0.5));
         for (int n = 0; n < 40000; n++) top_step(&top, I, 5e-5);
         struct momenta end = momenta_of(sim);
         assert_true(vec3_distance(start.linear, end.linear) < 1e-12 * vec3_length(start.linear));
@@ -212,8 +202,7 @@ static void test_flight(void **state) {
             for (int i = 0; i < 3; i++) axis[i] = (sim->x[(3 << a) + i] - sim->x[i]) / side[a];
             assert_true(vec3_distance(axis, top.axes + 3 * a) < 1e-5);
         }
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -231,12 +220,11 @@ static double period(double h) {
              "'rotate': [0, 45, 54.73561], 'mass': 3, 'angular_velocity': [0, 0, 0.05]}, "
              "'constraints': [{'type': 'pin', 'vertices': {'vertices': [7]}, 'stiffness': 1e7}]}]}",
              h);
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, text);
+    pdyn_sim *sim = test_open(text);
     double last = 0.0, first_pass = 0.0, time = 0.0;
     int passes = 0;
     for (double pin[3], c[3]; passes < 3 && time < 10.0; time = pdyn_time(sim)) {
-        test_step(context, sim);
+        test_step(sim);
         mean_of(sim, 0, sim->x, c);
         memcpy(pin, sim->x + 21, sizeof pin);
         double along = c[0] - pin[0];
@@ -248,8 +236,7 @@ static double period(double h) {
         if (passes == 3) break;
         last = along;
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return time;
 }
 
@@ -264,22 +251,19 @@ static void test_pendulum(void **state) {
 /* Forces of a program turn and move a free box as Newton's and Euler's laws say. */
 static void test_forces(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim =
-        test_load(context, "{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX("") "}]}");
+    pdyn_sim *sim = test_open("{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX("") "}]}");
     double m = 700.0 * side[0] * side[1] * side[2], force[24] = {0};
     force[1] = 2.0, force[4] = -2.0; /* at (-0.1, -0.2, -0.3) and (0.1, -0.2, -0.3): -0.4 N m */
     force[8] = 3.0;
     assert_int_equal(pdyn_set_forces(sim, 0, 8, force), PDYN_OK);
-    test_step(context, sim);
+    test_step(sim);
     const struct momenta p = momenta_of(sim);
     /* 3 N along z at (-0.1, 0.2, -0.3): 0.6 and 0.3 N m about x and y */
     const double linear[3] = {0.0, 0.0, 0.03}, angular[3] = {0.006, 0.003, -0.004};
     assert_true(vec3_distance(p.linear, linear) < 1e-13);
     assert_true(vec3_distance(p.angular, angular) < 1e-5);
     assert_true(m > 0.0);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* ---- water ----------------------------------------------------------------------------------- */
@@ -309,46 +293,41 @@ static const char pair[] =
 
 static void test_pair(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, pair);
+    pdyn_sim *sim = test_open(pair);
     struct momenta start = momenta_of(sim);
     int pairs = 0;
     for (int n = 0; n < 40; n++) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         assert_true(info.step_residual <= 0.1);
         pairs += sim->objective.rigid_matrix->pairs;
     }
     struct momenta end = momenta_of(sim);
     assert_true(pairs > 0 && sim->model.remainder->model.bodies_alone);
     assert_true(vec3_distance(start.linear, end.linear) < 1e-12 * vec3_length(start.linear));
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Water hits a box off its centre: momentum is conserved, the box moves along and turns. */
 static void test_water_long(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, hit);
+    pdyn_sim *sim = test_open(hit);
     struct momenta start = momenta_of(sim);
-    steps(context, sim, 40);
+    steps(sim, 40);
     struct momenta end = momenta_of(sim);
     double v[3];
     mean_of(sim, 1, sim->v, v);
     assert_true(vec3_distance(start.linear, end.linear) < 1e-12 * vec3_length(start.linear));
     assert_true(v[1] < -0.2 && sim->v[3 * (sim->body[1].first + 1) + 1] > v[1]);
-    assert_int_equal(test_step(context, sim).leaked, 0);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    assert_int_equal(test_step(sim).leaked, 0);
+    test_close(sim);
 }
 
 /* ---- a program ------------------------------------------------------------------------------- */
 
 static void test_poses(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, "{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX(
-                                           ", 'center_of_mass': [0.05, 0.1, 0]") "}]}");
+    pdyn_sim *sim = test_open("{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX(
+        ", 'center_of_mass': [0.05, 0.1, 0]") "}]}");
     double x[24], v[24], R[9], turned[3];
     vec3_rotation(R, (const double[3]){30, 40, 50});
     for (int i = 0; i < 8; i++) {
@@ -368,9 +347,8 @@ static void test_poses(void **state) {
     assert_int_equal(pdyn_set_velocities(sim, 1, 1, v), PDYN_BAD_INPUT);
     assert_int_equal(pdyn_hold(sim, 9, 100.0, x), PDYN_BAD_INPUT);
     assert_int_equal(pdyn_hold(sim, 3, 100.0, x), PDYN_OK);
-    test_step(context, sim);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_step(sim);
+    test_close(sim);
 }
 
 /* The same bits for any number of threads, and after a saved state. */
@@ -380,12 +358,12 @@ static void test_threads(void **state) {
     for (int k = 0; k < 3; k++) {
         pdyn_context *one = test_context(1), *four = test_context(4);
         pdyn_sim *first = test_load(one, scenes[k]), *second = test_load(four, scenes[k]);
-        steps(one, first, 20), steps(four, second, 25);
+        steps(first, 20), steps(second, 25);
         assert_int_equal(pdyn_save(first, "state"), PDYN_OK);
         pdyn_free(first);
         first = test_load(one, scenes[k]);
         assert_int_equal(pdyn_restore(first, "state"), PDYN_OK);
-        steps(one, first, 5);
+        steps(first, 5);
         assert_true(pdyn_state_hash(first) == pdyn_state_hash(second));
         test_remove_file("state");
         pdyn_free(first), pdyn_free(second);
@@ -400,7 +378,7 @@ static void refuse(pdyn_context *context, const char *rigid, const char *expecte
     pdyn_sim *sim = NULL;
     snprintf(text, sizeof text, "{'duration': 1, 'bodies': [{'rigid': {%s}}]}", rigid);
     assert_int_equal(pdyn_load_text(context, quoted(text), "test", NULL, 0, &sim), PDYN_BAD_INPUT);
-    assert_error(context, expected);
+    assert_error(expected);
 }
 
 static void test_errors(void **state) {

@@ -14,15 +14,13 @@ static double slide(double degrees) {
              "'normal': [0, 1, 0], 'size': 40}}], 'bodies': [{'rigid': {'box': {'minimum': [-0.1, "
              "0.002, -0.1], 'maximum': [0.1, 0.102, 0.1]}, 'density': 1000}}]}",
              9.81 * sin(degrees * pi / 180.0), -9.81 * cos(degrees * pi / 180.0));
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, text);
+    pdyn_sim *sim = test_open(text);
     double before[3], after[3];
-    steps(context, sim, 100);
+    steps(sim, 100);
     mean_of(sim, 0, sim->v, before);
-    steps(context, sim, 100);
+    steps(sim, 100);
     mean_of(sim, 0, sim->v, after);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return (after[0] - before[0]) / 0.5;
 }
 
@@ -37,7 +35,7 @@ static void test_slope(void **state) {
 }
 
 /* Five boxes of the same size on each other, edge over edge. */
-static pdyn_sim *load_stack(pdyn_context *context) {
+static pdyn_sim *load_stack(void) {
     char text[2048] =
         "{" STEPS_OF("0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.002, "
                                                "'stiffness': 1e5}, 'solids': [{'plane': {'center': "
@@ -53,23 +51,21 @@ static pdyn_sim *load_stack(pdyn_context *context) {
             k ? ", " : "", low, low + 0.1);
     }
     strcat(text, "]}");
-    return test_load(context, text);
+    return test_open(text);
 }
 
 /* They come to rest: every step is solved, although the closest points of parallel edges are not
  * unique. */
 static void test_stack(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load_stack(context);
+    pdyn_sim *sim = load_stack();
     double start[3], end[3];
-    steps(context, sim, 60);
+    steps(sim, 60);
     mean_of(sim, 4, sim->x, start);
-    for (int n = 0; n < 100; n++) assert_true(test_step(context, sim).step_residual <= 0.1);
+    for (int n = 0; n < 100; n++) assert_true(test_step(sim).step_residual <= 0.1);
     mean_of(sim, 4, sim->x, end);
     assert_true(vec3_distance(start, end) < 5e-4);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 #define CUBE(low, density)                                                                         \
@@ -87,11 +83,9 @@ static double press(const char *low, const char *density) {
                                                     "[0, 1, 0], 'size': 1}}], 'bodies': [" CUBE(
                                                         "0.0038", "1") ", " CUBE("%s", "%s") "]}",
              low, density);
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, text);
-    for (int n = 0; n < 50; n++) highest = fmax(highest, test_step(context, sim).kinetic_energy);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    pdyn_sim *sim = test_open(text);
+    for (int n = 0; n < 50; n++) highest = fmax(highest, test_step(sim).kinetic_energy);
+    test_close(sim);
     return highest;
 }
 
@@ -108,17 +102,13 @@ static void test_light_under_heavy(void **state) {
  */
 static void test_edge_over_edge(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
-        "{" STEPS_OF("0.005",
-                     "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.4}, "
-                                      "'solids': [{'plane': {'center': [0, 0, 0], 'normal': [0, "
-                                      "1, 0], 'size': 1}}], 'bodies': [" CUBE(
-                                          "0.003", "100") ", " CUBE("0.106", "1e5") "]}");
-    for (int n = 0; n < 40; n++) assert_true(test_step(context, sim).step_residual <= 0.1);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    pdyn_sim *sim = test_open("{" STEPS_OF(
+        "0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.4}, "
+                                  "'solids': [{'plane': {'center': [0, 0, 0], 'normal': [0, "
+                                  "1, 0], 'size': 1}}], 'bodies': [" CUBE("0.003", "100") ", " CUBE(
+                                      "0.106", "1e5") "]}");
+    for (int n = 0; n < 40; n++) assert_true(test_step(sim).step_residual <= 0.1);
+    test_close(sim);
 }
 
 /* Five nails of 10 cm fall onto a floor and each other, and turn fast: where a path stops within a
@@ -138,19 +128,17 @@ static void test_turning_nails_long(void **state) {
                  k ? ", " : "", 0.01 * k, 0.35 + 0.06 * k, 10 * k, 25 * k, 30 + 20 * k);
     }
     strcat(text, "]}");
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, text);
+    pdyn_sim *sim = test_open(text);
     const pdyn_contacts *contacts = contact_current(sim->objective.contact);
     double least = 1.0;
     for (int n = 0; n < 80; n++) {
-        test_step(context, sim);
+        test_step(sim);
         for (int e = 0; e < contacts->count; e++)
             least = fmin(least, contacts->contact[e].distance / contacts->contact[e].thickness);
     }
     print_message("least distance: %g thicknesses\n", least);
     assert_true(least > 0.999 * CONTACT_LEAST);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A number from -size / 2 to size / 2. */
@@ -173,14 +161,12 @@ static void turn_bars(const char *scene, int count, int seed, double low) {
                  scattered(k, 47, 101), scattered(k, 61, 101), low > 0.0 ? -4.0 : 0.0);
     }
     strcat(text, "]}");
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, text);
+    pdyn_sim *sim = test_open(text);
     for (int n = 0; n < 10; n++) {
-        test_step(context, sim);
+        test_step(sim);
         assert_int_equal(contact_check(sim->objective.contact), PDYN_OK);
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Where the path of a bar stops again and again, the bar does not move. */
@@ -211,33 +197,28 @@ static void test_turning_bars_in_water_long(void **state) {
  * energy does not grow. */
 static void test_needle(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
-        "{" STEPS_OF("0.005",
-                     "[0, -9.81, 0]") ", 'contact': {'thickness': 0.002}, 'solids': [{'plane': "
-                                      "{'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 4}}], "
-                                      "'bodies': [{'rigid': {'box': {'minimum': [-0.3, -0.0005, "
-                                      "-0.0005], 'maximum': [0.3, 0.0005, 0.0005]}, 'rotate': [0, "
-                                      "20, 80], 'translate': [0, 0.4, 0], 'density': 7800}}]}");
-    double start = test_step(context, sim).potential_energy, highest = start;
+    pdyn_sim *sim = test_open("{" STEPS_OF(
+        "0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.002}, 'solids': [{'plane': "
+                                  "{'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 4}}], "
+                                  "'bodies': [{'rigid': {'box': {'minimum': [-0.3, -0.0005, "
+                                  "-0.0005], 'maximum': [0.3, 0.0005, 0.0005]}, 'rotate': [0, "
+                                  "20, 80], 'translate': [0, 0.4, 0], 'density': 7800}}]}");
+    double start = test_step(sim).potential_energy, highest = start;
     for (int n = 0; n < 200; n++) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         highest = fmax(highest, info.kinetic_energy + info.potential_energy);
     }
     print_message("energy up to %g of that at the start\n", highest / start);
     assert_true(highest < 1.02 * start);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* The matrix of bodies in contact is H: its solve gives the motion back that a product begins with.
  */
 static void test_matrix(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load_stack(context);
-    steps(context, sim, 60);
+    pdyn_sim *sim = load_stack();
+    steps(sim, 60);
     struct objective *o = &sim->objective;
     int n = 3 * o->particles;
     double u[1024] = {0}, y[1024], z[1024] = {0}, blocks[2048], largest = 0.0;
@@ -251,25 +232,22 @@ static void test_matrix(void **state) {
     assert_true(o->rigid_matrix->closed && o->rigid_matrix->pairs == 4);
     for (int k = 0; k < n; k++) largest = fmax(largest, fabs(z[k] - u[k]));
     assert_true(largest < 1e-8);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A box, a ball and a cloth hit each other: the linear momentum stays, and nothing passes. Without
  * damping the cloth gets more speed; returns its place, m. */
 static double collide(const char *scene) {
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, scene);
+    pdyn_sim *sim = test_open(scene);
     struct momenta start = momenta_of(sim);
-    steps(context, sim, 150);
+    steps(sim, 150);
     struct momenta end = momenta_of(sim);
     double box[3], ball[3], cloth[3];
     mean_of(sim, 0, sim->x, box), mean_of(sim, 1, sim->x, ball), mean_of(sim, 2, sim->x, cloth);
     assert_true(vec3_distance(start.linear, end.linear) < 1e-12 * vec3_length(start.linear));
     assert_true(vec3_distance(start.angular, end.angular) < 0.02 * vec3_length(start.angular));
     assert_true(box[0] < ball[0] && ball[0] < cloth[0]);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return cloth[0];
 }
 
@@ -299,26 +277,23 @@ static void write_floor(const char *name) {
 static void test_floor_of_triangles(void **state) {
     (void)state;
     write_floor("floor.obj");
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
+    pdyn_sim *sim = test_open(
         "{" STEPS_OF("0.004", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0}, "
                                                "'solids': [{'mesh': 'floor.obj'}], "
                                                "'bodies': [{'velocity': [1, 0, 0.3], "
                                                "'rigid': {'sphere': {'center': [-0.4, "
                                                "0.1029, -0.1], 'radius': 0.1}, 'density': "
                                                "1000}}]}");
-    steps(context, sim, 20);
+    steps(sim, 20);
     double start[3], end[3], v[3];
     mean_of(sim, 0, sim->x, start);
-    steps(context, sim, 150);
+    steps(sim, 150);
     mean_of(sim, 0, sim->x, end), mean_of(sim, 0, sim->v, v);
     assert_true(fabs(v[0] - 1.0) < 1e-3 && fabs(v[1]) < 1e-2 && fabs(v[2] - 0.3) < 1e-3);
     assert_true(fabs(end[1] - start[1]) < 2e-4);
     for (int i = 0; i < sim->body[0].count; i++)
         assert_true(vec3_distance(sim->v + 3 * i, v) < 2e-3);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     test_remove_file("floor.obj");
 }
 
@@ -326,9 +301,7 @@ static void test_floor_of_triangles(void **state) {
  * from the floor at its contacts, which damping must not take for a change of the normal force. */
 static void test_spinning_ball_slides(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
+    pdyn_sim *sim = test_open(
         "{" STEPS_OF("0.002", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.2, "
                                                "'damping_ratio': 1}, "
                                                "'solids': [{'plane': {'center': [0, 0, 0], "
@@ -338,62 +311,53 @@ static void test_spinning_ball_slides(void **state) {
                                                "'radius': 0.1}, 'mass': 4, "
                                                "'angular_velocity': [0, 0, 10]}}]}");
     double v[3];
-    steps(context, sim, 50);
+    steps(sim, 50);
     mean_of(sim, 0, sim->v, v);
     assert_true(fabs((1.0 - v[0]) / (0.2 * 9.81 * 0.1) - 1.0) < 0.03);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A cart hits another one through a light bumper, on a floor without friction: the momentum along
  * the floor stays, although the limit of an impulse takes some off the bumper's. */
 static void test_bumper(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
-        "{" STEPS_OF(
-            "0.005",
-            "[0, -9.81, 0]") ", 'contact': {'thickness': 0.002, 'friction': 0}, "
-                             "'solids': [{'box': {'minimum': [-9, -1, -9], 'maximum': [9.3, 0, "
-                             "8]}}], 'bodies': ["
-                             "{'velocity': [2, 0, 0], 'rigid': {'box': {'minimum': [-0.4, 0.0018, "
-                             "-0.05], 'maximum': "
-                             "[-0.2, 0.1, 0.05]}, 'mass': 1}}, {'rigid': {'box': {'minimum': "
-                             "[-0.0215, 0.0018, -0.05], "
-                             "'maximum': [-0.002, 0.1, 0.05]}, 'mass': 0.05}}, {'rigid': {'box': "
-                             "{'minimum': [0, "
-                             "0.0018, -0.05], 'maximum': [0.2, 0.1, 0.05]}, 'mass': 1}}]}");
+    pdyn_sim *sim = test_open("{" STEPS_OF(
+        "0.005",
+        "[0, -9.81, 0]") ", 'contact': {'thickness': 0.002, 'friction': 0}, "
+                         "'solids': [{'box': {'minimum': [-9, -1, -9], 'maximum': [9.3, 0, "
+                         "8]}}], 'bodies': ["
+                         "{'velocity': [2, 0, 0], 'rigid': {'box': {'minimum': [-0.4, 0.0018, "
+                         "-0.05], 'maximum': "
+                         "[-0.2, 0.1, 0.05]}, 'mass': 1}}, {'rigid': {'box': {'minimum': "
+                         "[-0.0215, 0.0018, -0.05], "
+                         "'maximum': [-0.002, 0.1, 0.05]}, 'mass': 0.05}}, {'rigid': {'box': "
+                         "{'minimum': [0, "
+                         "0.0018, -0.05], 'maximum': [0.2, 0.1, 0.05]}, 'mass': 1}}]}");
     pdyn_step_info info = {0};
-    for (int n = 0; n < 80; n++) info = test_step(context, sim);
+    for (int n = 0; n < 80; n++) info = test_step(sim);
     assert_true(fabs(info.momentum[0] - 2.0) < 0.01);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A box turns about its middle on the diagonal of a floor of two triangles, which is no bump: mu g
  * m on four corners stops it. */
 static void test_turning_on_a_diagonal(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
-        "{" STEPS_OF("0.005",
-                     "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.3}, "
-                                      "'solids': [{'box': {'minimum': [-2, -0.2, -2], 'maximum': "
-                                      "[2, 0, 2]}}], 'bodies': ["
-                                      "{'rigid': {'box': {'minimum': [-0.1, 0.0032, -0.1], "
-                                      "'maximum': [0.1, 0.0532, 0.1]}, "
-                                      "'density': 500, 'angular_velocity': [0, 20, 0]}}]}");
+    pdyn_sim *sim = test_open("{" STEPS_OF(
+        "0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.3}, "
+                                  "'solids': [{'box': {'minimum': [-2, -0.2, -2], 'maximum': "
+                                  "[2, 0, 2]}}], 'bodies': ["
+                                  "{'rigid': {'box': {'minimum': [-0.1, 0.0032, -0.1], "
+                                  "'maximum': [0.1, 0.0532, 0.1]}, "
+                                  "'density': 500, 'angular_velocity': [0, 20, 0]}}]}");
     double start[3], end[3], corner = sqrt(0.02);
-    steps(context, sim, 10);
+    steps(sim, 10);
     vec3_cross(start, sim->x, sim->v);
-    steps(context, sim, 40);
+    steps(sim, 40);
     vec3_cross(end, sim->x, sim->v);
     double turn = (start[1] - end[1]) / (corner * corner) / 0.2;
     assert_true(fabs(turn / (6.0 * 0.3 * 9.81 / (sqrt(2.0) * 0.2)) - 1.0) < 0.01);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* How far, rad, a box at rest on a table that turns with 6 rad/s is behind the table. */
@@ -406,67 +370,57 @@ static double lag_of(const pdyn_sim *sim) {
 /* What friction remembers turns with the table: the box does not creep. */
 static void test_turntable(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
-        "{" STEPS_OF("0.005",
-                     "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.5}, "
-                                      "'solids': [{'box': {'minimum': [-1, -0.2, -1], 'maximum': "
-                                      "[1, 0, 1]}, 'motion': [{'time': "
-                                      "0}, {'time': 1000, 'rotate': [0, 343774.677, 0]}]}], "
-                                      "'bodies': [{'velocity': [0, 0, -0.6], "
-                                      "'rigid': {'box': {'minimum': [-0.05, 0.0036, -0.05], "
-                                      "'maximum': [0.05, 0.0536, 0.05]}, "
-                                      "'translate': [0.1, 0, 0], 'density': 500, "
-                                      "'angular_velocity': [0, 6, 0]}}]}");
-    steps(context, sim, 200);
+    pdyn_sim *sim = test_open("{" STEPS_OF(
+        "0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.5}, "
+                                  "'solids': [{'box': {'minimum': [-1, -0.2, -1], 'maximum': "
+                                  "[1, 0, 1]}, 'motion': [{'time': "
+                                  "0}, {'time': 1000, 'rotate': [0, 343774.677, 0]}]}], "
+                                  "'bodies': [{'velocity': [0, 0, -0.6], "
+                                  "'rigid': {'box': {'minimum': [-0.05, 0.0036, -0.05], "
+                                  "'maximum': [0.05, 0.0536, 0.05]}, "
+                                  "'translate': [0.1, 0, 0], 'density': 500, "
+                                  "'angular_velocity': [0, 6, 0]}}]}");
+    steps(sim, 200);
     double lag = lag_of(sim);
-    steps(context, sim, 400);
+    steps(sim, 400);
     assert_true(fabs(lag) < 0.01 && fabs(lag_of(sim) - lag) < 1e-5);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A box falls on a pinned plate: in the mean, the pins hold what gravity and the fall give. */
 static void test_pinned_plate(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
-        "{" STEPS_OF("0.005",
-                     "[0, -9.81, 0]") ", 'contact': {'thickness': 0.003, 'friction': 0.3}, "
-                                      "'bodies': [{'rigid': {'box': {'minimum': [-0.06, 0.3, "
-                                      "-0.06], 'maximum': [0.06, 0.42, "
-                                      "0.06]}, 'mass': 2}}, {'rigid': {'box': {'minimum': [-0.3, "
-                                      "-0.04, -0.3], 'maximum': [0.3, "
-                                      "0, 0.3]}, 'mass': 1}, 'constraints': [{'type': 'pin', "
-                                      "'vertices': {'all': true}}]}]}");
+    pdyn_sim *sim = test_open("{" STEPS_OF(
+        "0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.003, 'friction': 0.3}, "
+                                  "'bodies': [{'rigid': {'box': {'minimum': [-0.06, 0.3, "
+                                  "-0.06], 'maximum': [0.06, 0.42, "
+                                  "0.06]}, 'mass': 2}}, {'rigid': {'box': {'minimum': [-0.3, "
+                                  "-0.04, -0.3], 'maximum': [0.3, "
+                                  "0, 0.3]}, 'mass': 1}, 'constraints': [{'type': 'pin', "
+                                  "'vertices': {'all': true}}]}]}");
     double impulse = 0.0, v[3];
     for (int n = 0; n < 200; n++) {
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         impulse += info.h * info.pin_reaction[1];
     }
     mean_of(sim, 0, sim->v, v);
     double fall = 2.0 * sqrt(2.0 * 9.81 * 0.3), due = 3.0 * 9.81 * pdyn_time(sim) + 2.0 * v[1];
     assert_true(fabs(impulse - due) < 0.03 * fall);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Forces on the vertices of a body, which have hardly any mass, do not make the regions of contact
  * larger. */
 static void test_forces_on_vertices(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load_stack(context);
+    pdyn_sim *sim = load_stack();
     double force[24];
     for (int k = 0; k < 24; k++) force[k] = 1.0;
     assert_int_equal(pdyn_set_forces(sim, 0, 8, force), PDYN_OK);
-    steps(context, sim, 2);
+    steps(sim, 2);
     const struct contact *c = sim->objective.contact;
     for (int i = 0; i < c->points; i++) assert_true(c->broad.reach[i] < 0.1);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

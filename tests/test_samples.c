@@ -13,8 +13,7 @@ static const char drop[] = DROP_AND_SHEET;
 /* Samples lie at their weights' points, keep their distance, and cover the sheet. */
 static void test_places(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, drop);
+    pdyn_sim *sim = test_open(drop);
     const struct surface_samples *s = sim->objective.samples;
     const pdyn_body *sheet = &sim->body[1];
     int n = sim->objective.particles;
@@ -47,8 +46,7 @@ static void test_places(void **state) {
     assert_true(fabs(area - 0.09) < 1e-12);
     assert_true(s->count > area / (spacing * spacing) && s->count < 3 * area / (spacing * spacing));
     free(x);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Adds to `area` the areas of small parts of triangle t, each to the sample nearest to it. */
@@ -74,8 +72,7 @@ static void add_areas(const pdyn_body *sheet, int t, int samples, const double *
 /* The area of a sample is that of the surface which is nearer to it than to any other. */
 static void test_areas(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, drop);
+    pdyn_sim *sim = test_open(drop);
     const struct surface_samples *s = sim->objective.samples;
     const pdyn_body *sheet = &sim->body[1];
     int n = sim->objective.particles;
@@ -89,8 +86,7 @@ static void test_areas(void **state) {
     }
     assert_true(fabs(sum - 0.09) < 1e-12);
     free(x), free(area);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Puts every `many`-th sample into a neighbour list. */
@@ -144,20 +140,18 @@ static void test_gather(void **state) {
     pdyn_context *context = test_context(3);
     pdyn_sim *sim = test_load(context, drop);
     check_gather(sim, 1), check_gather(sim, 3), check_gather(sim, 50);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Along the gradient's direction some constraints change sides: the model's slope at the end of the
  * way is 0. */
 static void test_line(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, drop);
+    pdyn_sim *sim = test_open(drop);
     struct objective *objective = &sim->objective;
     int n = 3 * objective->particles, changed = 0;
     double *u = test_vector(n), *g = test_vector(n), *y = test_vector(n), energy;
-    for (int k = 0; k < 8; k++) test_step(context, sim);
+    for (int k = 0; k < 8; k++) test_step(sim);
     for (double eps = 0.0; eps < 0.5; eps += 0.4) {
         memcpy(u, sim->x, objective_bytes(objective));
         for (int i = 0; i < n; i += 3) u[i] *= 0.99; /* compresses the fluid */
@@ -176,15 +170,13 @@ static void test_line(void **state) {
     }
     assert_true(changed > 0);
     free(u), free(g), free(y);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Sample volumes follow the area of the sheet. */
 static void test_stretch(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, drop);
+    pdyn_sim *sim = test_open(drop);
     const pdyn_body *sheet = &sim->body[1];
     for (int i = sheet->first; i < sheet->first + sheet->count; i++)
         for (int a = 0; a < 3; a++) sim->x[3 * i + a] *= 1.1;
@@ -195,8 +187,7 @@ static void test_stretch(void **state) {
         int k = s->near[n];
         assert_true(fabs(s->volume[k] - 1.21 * s->rest_volume[k]) <= 1e-12 * s->rest_volume[k]);
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* x = that of sim, with a sheet that is stretched by the factor. */
@@ -219,8 +210,7 @@ static void find_values(pdyn_sim *sim, const double *x, double *gradient, double
  * stretch of the sheet. */
 static void test_density(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, drop);
+    pdyn_sim *sim = test_open(drop);
     struct batch *b = sim->objective.batch[0];
     int n = 3 * sim->objective.particles, count = sim->body[0].count;
     double *x = test_vector(n), *u = test_vector(n), *g = test_vector(n),
@@ -229,7 +219,7 @@ static void test_density(void **state) {
     bool *all = calloc((size_t)count, sizeof *all);
     const double step = 1e-6;
     double largest = 0.0, sum = 0.0, force = 0.0;
-    for (int k = 0; k < 9; k++) test_step(context, sim);
+    for (int k = 0; k < 9; k++) test_step(sim);
     assert_true(all && b->op);
     stretch(sim, 1.1 - step, x), find_values(sim, x, g, low);
     stretch(sim, 1.1 + step, x), find_values(sim, x, g, high);
@@ -255,8 +245,7 @@ static void test_density(void **state) {
     for (int i = 0; i < count; i++) assert_true(fabs(high[i] - within[i]) < 1e-12);
     free(within), free(x), free(u), free(g), free(rate), free(low), free(high), free(ones),
         free(all);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static const char two_sheets[] =
@@ -287,8 +276,7 @@ static int check_reach(const pdyn_sim *sim, const double *x, double *all) {
 /* Samples far from the fluid are not near, and come into the lists when they move there. */
 static void test_far(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, two_sheets);
+    pdyn_sim *sim = test_open(two_sheets);
     const struct surface_samples *s = sim->objective.samples;
     const pdyn_body *far = &sim->body[2];
     const pdyn_neighbours *l = neighbours_view(sim->objective.neighbours);
@@ -307,8 +295,7 @@ static void test_far(void **state) {
     assert_int_equal(s->near_count, s->count);
     assert_in_range(l->revision - revision, 1, 60); /* some moves leave the lists valid */
     free(x), free(up);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

@@ -96,7 +96,7 @@ static int simulate(pdyn_context *context, write_fn *write, const struct variant
     write(v);
     if (pdyn_load_text(context, text, "scale", NULL, 0, &sim) != PDYN_OK)
         fail_msg("%s", pdyn_last_error(context));
-    for (int k = 0; k < STEPS; k++) test_step(context, sim);
+    for (int k = 0; k < STEPS; k++) test_step(sim);
     pdyn_state state = pdyn_get_state(sim);
     assert_true(state.particles <= MOST);
     for (int k = 0; k < 3 * state.particles; k++)

@@ -133,9 +133,8 @@ static void test_water(void **state) {
                        FLUID_BOX("", "0.02", "-0.1, 0.04, -0.1", "0.1, 0.2, 0.1", ""),
                        ", 'solids': [%s]"),
                  solids[k]);
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim = test_load(context, text);
-        while (pdyn_time(sim) < pdyn_duration(sim)) test_step(context, sim);
+        pdyn_sim *sim = test_open(text);
+        while (pdyn_time(sim) < pdyn_duration(sim)) test_step(sim);
         pdyn_state s = pdyn_get_state(sim);
         assert_true(s.boundary > 100);
         for (int i = 0; i < s.particles; i++) {
@@ -144,8 +143,7 @@ static void test_water(void **state) {
             double above = k == 0 ? x[1] : vec3_distance(x, axis) - (k == 1 ? 0.5 : 0.2);
             assert_true(above > 0.0);
         }
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 

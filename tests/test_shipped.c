@@ -325,8 +325,7 @@ static void run(const struct shipped *s, struct found *found) {
     check_walls(s, sim, &state);
     check_warnings(s, sim);
     found->kinetic = info.kinetic_energy, found->lowest = lowest_of(&state);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void check(const struct shipped *s) {

@@ -86,11 +86,10 @@ static void assert_momentum(const pdyn_sim *sim, const pdyn_step_info *info, con
 
 /* Takes steps, checks the balance; returns the largest force on the last solid over the weight. */
 static double assert_balance(const char *text, int steps) {
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(c, text);
+    pdyn_sim *sim = test_open(text);
     double weight = G * mass_of(sim), before[3] = {0}, most = 0.0;
     for (int n = 0; n < steps; n++) {
-        pdyn_step_info info = test_step(c, sim);
+        pdyn_step_info info = test_step(sim);
         struct total found = add_all(sim), due = expected(sim), last;
         assert_momentum(sim, &info, before, found.force);
         if (vec3_distance(found.force, due.force) > 1e-9 * weight ||
@@ -101,8 +100,7 @@ static double assert_balance(const char *text, int steps) {
         get(sim, sim->scene.solids - 1, &last);
         most = fmax(most, vec3_length(last.force) / weight);
     }
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
     return most;
 }
 
@@ -136,11 +134,11 @@ static void test_balance(void **state) {
 /* ---- weights --------------------------------------------------------------------------------- */
 
 /* Mean load on a solid from one time to another, N. */
-static struct total mean_load(pdyn_context *c, pdyn_sim *sim, int solid, double from, double to) {
+static struct total mean_load(pdyn_sim *sim, int solid, double from, double to) {
     struct total sum = {{0}, {0}}, one;
     double time = 0.0;
     while (pdyn_time(sim) < to) {
-        pdyn_step_info info = test_step(c, sim);
+        pdyn_step_info info = test_step(sim);
         if (info.time < from) continue;
         get(sim, solid, &one);
         vec3_add(sum.force, info.h, one.force);
@@ -154,18 +152,16 @@ static struct total mean_load(pdyn_context *c, pdyn_sim *sim, int solid, double 
 /* Water at rest: the load is its weight, at its centre of mass. */
 static void test_tank(void **state) {
     (void)state;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(
-        c, scene("'time_step': {'maximum': 0.005}", POOL(DEEP, "'viscosity': 0.3"), TANK));
+    pdyn_sim *sim =
+        test_open(scene("'time_step': {'maximum': 0.005}", POOL(DEEP, "'viscosity': 0.3"), TANK));
     double weight = G * mass_of(sim);
-    struct total mean = mean_load(c, sim, 0, 0.8, 1.2);
+    struct total mean = mean_load(sim, 0, 0.8, 1.2);
     const double force[3] = {0, -weight, 0}, moment[3] = {0.15 * weight, 0, -0.15 * weight};
     double off = vec3_distance(mean.force, force), turned = vec3_distance(mean.moment, moment);
     print_message("weight %.3f N, missed by %.4f %%, its moment by %.4f %%\n", weight,
                   100.0 * off / weight, 100.0 * turned / (0.15 * weight));
     assert_true(off < 0.005 * weight && turned < 0.005 * 0.15 * weight);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 /* Centre of mass of all particles. */
@@ -194,7 +190,7 @@ static void assert_impulse(const char *contact, double speed, double error, cons
     struct total load;
     pdyn_step_info info;
     do {
-        info = test_step(c, sim);
+        info = test_step(sim);
         get(sim, 0, &load);
         impulse -= info.h * load.force[1];
         vec3_add(turned, info.h, load.moment);
@@ -207,8 +203,7 @@ static void assert_impulse(const char *contact, double speed, double error, cons
     assert_true(fabs(pushed / lost - 1.0) < error);
     assert_true(fabs(turned[0] - centre[2] * impulse) < 0.005 * centre[2] * impulse);
     assert_true(fabs(turned[2] + centre[0] * impulse) < 0.005 * centre[0] * impulse);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 #define TOUCHING "'contact': {'thickness': 0.004, 'friction': 0}, "
@@ -238,16 +233,15 @@ static void test_impacts(void **state) {
  * floor. */
 static void test_obstacle(void **state) {
     (void)state;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(
-        c, scene(SOLVED, RAIN,
-                 "{'name': 'floor', 'box': {'minimum': [-0.4, -0.1, -0.4], 'maximum': [0.7, 0.6, "
-                 "0.7]}, 'open': ['-x', '+x', '+y', '-z', '+z']}, "
-                 "{'name': 'ball', 'sphere': {'center': [0.125, 0.2, 0.15], 'radius': 0.06}}"));
+    pdyn_sim *sim = test_open(
+        scene(SOLVED, RAIN,
+              "{'name': 'floor', 'box': {'minimum': [-0.4, -0.1, -0.4], 'maximum': [0.7, 0.6, "
+              "0.7]}, 'open': ['-x', '+x', '+y', '-z', '+z']}, "
+              "{'name': 'ball', 'sphere': {'center': [0.125, 0.2, 0.15], 'radius': 0.06}}"));
     double weight = G * mass_of(sim), most = 0.0, later = 0.0;
     struct total floor, ball;
     while (pdyn_time(sim) < 0.4) {
-        test_step(c, sim);
+        test_step(sim);
         get(sim, 0, &floor), get(sim, 1, &ball);
         bool first = pdyn_time(sim) < 0.15;
         if (first && vec3_length(floor.force) + vec3_length(floor.moment) > 0.0)
@@ -257,27 +251,24 @@ static void test_obstacle(void **state) {
     }
     print_message("force over weight: ball %.2f, then floor %.2f\n", most / weight, later / weight);
     assert_true(most < -0.2 * weight && later < -weight);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 /* A ball is lowered into water and held: the load on it is the weight of the displaced water,
  * upwards; the tank carries the opposite. */
 static void test_buoyancy(void **state) {
     (void)state;
-    pdyn_context *c = test_context(1);
-    pdyn_sim *sim = test_load(
-        c, scene("'time_step': {'maximum': 0.005}", POOL(DEEP, "'viscosity': 0.3"),
-                 "{'name': 'ball', 'sphere': {'center': [0.15, 0.52, 0.15], 'radius': 0.08}, "
-                 "'motion': [{'time': 0}, {'time': 0.5, 'translate': [0, -0.3, 0]}]}, " TANK));
+    pdyn_sim *sim = test_open(
+        scene("'time_step': {'maximum': 0.005}", POOL(DEEP, "'viscosity': 0.3"),
+              "{'name': 'ball', 'sphere': {'center': [0.15, 0.52, 0.15], 'radius': 0.08}, "
+              "'motion': [{'time': 0}, {'time': 0.5, 'translate': [0, -0.3, 0]}]}, " TANK));
     double weight = G * 1000.0 * 4.0 / 3.0 * acos(-1.0) * 0.08 * 0.08 * 0.08;
-    struct total ball = mean_load(c, sim, 0, 0.9, 1.2);
+    struct total ball = mean_load(sim, 0, 0.9, 1.2);
     print_message("lift over the weight of the ball's volume of water: %.3f\n",
                   ball.force[1] / weight);
     assert_true(fabs(ball.force[1] / weight - 1.0) < 0.15);
     assert_true(fabs(ball.force[0]) < 0.1 * weight && fabs(ball.force[2]) < 0.1 * weight);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 /* ---- contact and friction -------------------------------------------------------------------- */
@@ -298,12 +289,11 @@ static void test_buoyancy(void **state) {
 /* A body at rest on a floor tilted by an angle, rad: the load includes friction. */
 static void assert_carries(const char *body, const char *integrator, double angle) {
     char head[512];
-    pdyn_context *c = test_context(1);
     double g[3] = {G * sin(angle), -G * cos(angle), 0.0}, moment[3];
     snprintf(head, sizeof head, LYING, integrator, g[0], g[1], angle > 0.0 ? 0.8 : 0.0);
-    pdyn_sim *sim = test_load(c, scene(head, body, FLOOR));
+    pdyn_sim *sim = test_open(scene(head, body, FLOOR));
     double centre[3];
-    struct total mean = mean_load(c, sim, 0, 1.0, 1.5);
+    struct total mean = mean_load(sim, 0, 1.0, 1.5);
     centre_of(sim, centre);
     for (int a = 0; a < 3; a++) g[a] *= mass_of(sim);
     vec3_cross(moment, centre, g);
@@ -312,8 +302,7 @@ static void assert_carries(const char *body, const char *integrator, double angl
     print_message("%s, %g rad: weight missed by %.2g, its moment by %.2g\n", integrator, angle, off,
                   turned);
     assert_true(off < 0.01 && turned < 0.02);
-    pdyn_free(sim);
-    pdyn_destroy(c);
+    test_close(sim);
 }
 
 static void test_floor(void **state) {
@@ -338,16 +327,14 @@ static void test_threads(void **state) {
     for (int threads = 1; threads <= 3; threads++) {
         pdyn_context *c = test_context(threads);
         pdyn_sim *sim = test_load(c, splash());
-        for (int n = 0; n < 15; n++) test_step(c, sim);
+        for (int n = 0; n < 15; n++) test_step(sim);
         for (int k = 0; k < 2; k++) get(sim, k, &load[k]);
         get(sim, 0, &again);
         assert_memory_equal(&again, &load[0], sizeof again);
         if (threads == 1) memcpy(first, load, sizeof first);
         assert_memory_equal(first, load, sizeof first);
         assert_true(vec3_length(load[1].force) > 0.0);
-        pdyn_free(sim);
-        assert_int_equal(pdyn_bytes_in_use(c), 0);
-        pdyn_destroy(c);
+        test_close(sim);
     }
 }
 
@@ -392,7 +379,7 @@ static void test_sources(void **state) {
     struct total by[2][3], mean = {{0}, {0}};
     int steps = 0;
     while (pdyn_time(sim) < 0.6) {
-        test_step(context, sim);
+        test_step(sim);
         for (int k = 0; k < 6; k++) by[k / 3][k % 3] = load_by(sim, k / 3, k % 3);
         for (int k = 0; k < 2; k++)
             assert_sum(&by[k][PDYN_LOAD_FLUID], &by[k][PDYN_LOAD_CONTACT], &by[k][PDYN_LOAD_ALL]);
@@ -438,7 +425,7 @@ static void test_calls(void **state) {
     assert_int_equal(pdyn_body_load_by(sim, 99, PDYN_LOAD_FLUID, v, w), PDYN_BAD_CALL);
     assert_int_equal(pdyn_body_load_by(sim, 0, -1, v, w), PDYN_BAD_CALL);
     assert_zero(sim);
-    for (int n = 0; n < 15; n++) test_step(context, sim);
+    for (int n = 0; n < 15; n++) test_step(sim);
     test_allow(&counter, 0);
     assert_int_equal(pdyn_solid_load(sim, 1, v, w), PDYN_OK); /* allocates nothing */
     test_allow(&counter, -1);
@@ -459,7 +446,7 @@ static void test_untouched(void **state) {
         pdyn_sim *sim = test_load(context, splash());
         struct total load;
         for (int n = 0; n < 15; n++) {
-            test_step(context, sim);
+            test_step(sim);
             if (asks) get(sim, 0, &load);
         }
         hash[asks] = pdyn_state_hash(sim);
@@ -493,7 +480,7 @@ static void test_flag(void **state) {
               "[24]}}]}",
               ""));
     struct total by_jet, none = {{0}, {0}};
-    for (int n = 0; n < 3; n++) test_step(context, sim);
+    for (int n = 0; n < 3; n++) test_step(sim);
     assert_int_equal(pdyn_constraint_load(sim, 1, by_jet.force, by_jet.moment), PDYN_OK);
     assert_true(vec3_length(by_jet.force) > 0.0);
     assert_load(sim, PDYN_LOAD_FLUID, &by_jet);

@@ -33,7 +33,7 @@ static void test_hybrid(void **state) {
         snprintf(text, sizeof text, settings, solver[k]);
         sim[k] = hang(context, 33, text);
         for (int step = 0; step < 10; step++) {
-            pdyn_step_info info = test_step(context, sim[k]);
+            pdyn_step_info info = test_step(sim[k]);
             assert_true(info.step_residual <= 1e-4);
             linear[k] += info.linear_iterations;
         }
@@ -76,7 +76,7 @@ static void test_goes_on(void **state) {
     uint64_t seed = 1;
     pdyn_sim *sim =
         hang(context, 17, "\"time_step\": {\"fixed\": 0.02}, \"solver\": {\"type\": \"cg\"}");
-    for (int step = 0; step < 3; step++) test_step(context, sim);
+    for (int step = 0; step < 3; step++) test_step(sim);
     for (int i = 0; i < N; i++) b[i] = test_random(&seed);
     assert_int_equal(solver_view_linearise(&sim->model, 0.0), PDYN_OK);
     solve_in_parts(sim, 12, b, whole);
@@ -84,8 +84,7 @@ static void test_goes_on(void **state) {
     double size = test_distance(whole, (double[N]){0}, N);
     if (!(test_distance(whole, parts, N) < 1e-9 * size))
         fail_msg("%g apart", test_distance(whole, parts, N) / size);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* One solve for the right-hand side b with this stop; y: the solution. Returns the iterations. */
@@ -122,7 +121,7 @@ static void test_stop(void **state) {
     pdyn_sim *sim =
         hang(context, 17, "\"time_step\": {\"fixed\": 0.02}, \"solver\": {\"type\": \"cg\"}");
     pdyn_model *m = &sim->model.model;
-    for (int step = 0; step < 3; step++) test_step(context, sim);
+    for (int step = 0; step < 3; step++) test_step(sim);
     for (int i = 0; i < N; i++) b[i] = test_random(&seed);
     assert_int_equal(solver_view_linearise(&sim->model, 0.0), PDYN_OK);
     pdyn_stop stop = {.rel_tol = 1e-3, .max_iterations = 1000};
@@ -140,8 +139,7 @@ static void test_stop(void **state) {
         stop.rel_tol = 1.0;
         assert_int_equal(solve_once(sim, stop, b, y, rest), first);
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A right-hand side that is not finite leaves nothing to the solves of the next step. */
@@ -157,7 +155,7 @@ static void test_not_finite(void **state) {
         double b[N + 1], y[N + 1], before[N + 1], after[N + 1];
         uint64_t seed = 1;
         int iterations;
-        test_step(context, sim);
+        test_step(sim);
         for (int i = 0; i < N; i++) b[i] = test_random(&seed);
         assert_int_equal(solver_view_linearise(&sim->model, 0.0), PDYN_OK);
         solve_in_parts(sim, 12, b, before);
@@ -167,8 +165,7 @@ static void test_not_finite(void **state) {
         for (int i = 0; i < N; i++) b[i] = test_random(&seed);
         solve_in_parts(sim, 12, b, after);
         assert_memory_equal(before, after, N * sizeof *b);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -185,14 +182,12 @@ static void test_changing_step(void **state) {
     long quiet = 0;
     for (int step = 0; step < 60; step++) {
         long before = counter.calls;
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_step_info info = test_step(sim);
         assert_true(info.step_residual <= 1e-3);
         if (step >= 2) quiet += counter.calls == before;
     }
     assert_true(quiet >= 50);
-    pdyn_free(sim);
-    assert_int_equal(pdyn_bytes_in_use(context), 0);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void check_descent(void *user, const pdyn_iteration *it) {
@@ -213,9 +208,8 @@ static void test_projective_descends(void **state) {
                          "\"projective\", \"tolerance\": 0, \"outer_iterations\": 30, "
                          "\"type\": \"cholesky\"}");
     pdyn_observe(sim, check_descent, &energy);
-    assert_int_equal(test_step(context, sim).outer_iterations, 30);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    assert_int_equal(test_step(sim).outer_iterations, 30);
+    test_close(sim);
 }
 
 static void test_failing_allocator(void **state) {
@@ -251,15 +245,13 @@ static void test_far_tank(void **state) {
     enum { VERTICES = 17 * 17 };
     double x[2][3 * VERTICES];
     for (int k = 0; k < 2; k++) {
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim = test_load(context, text[k]);
+        pdyn_sim *sim = test_open(text[k]);
         for (int step = 0; step < 40; step++) {
-            pdyn_step_info info = test_step(context, sim);
+            pdyn_step_info info = test_step(sim);
             assert_true(pdyn_get_body(sim, 0).residual <= info.step_residual);
         }
         memcpy(x[k], sim->x, sizeof x[k]);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
     double apart = test_distance(x[0], x[1], 3 * VERTICES) / sqrt(VERTICES);
     if (!(apart < 5e-4)) fail_msg("%g m apart", apart);

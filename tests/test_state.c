@@ -63,13 +63,12 @@ static void test_repeated(void **state) {
     pdyn_global_solver failing = *(own = sim->solver);
     failing.solve = fail_sometimes, sim->solver = &failing;
     while (pdyn_time(sim) < 0.595) {
-        retries += test_step(context, sim).retries;
+        retries += test_step(sim).retries;
         largest = fmax(largest, follow(sim, kept));
     }
     assert_true(retries > 3);
     assert_true(largest > 0.075 && largest < 0.085);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Other parameters leave the memory. */
@@ -78,14 +77,13 @@ static void test_parameters(void **state) {
     double before[64], *memory;
     pdyn_context *context = make_context();
     pdyn_sim *sim = test_load(context, scene);
-    while (pdyn_time(sim) < 0.3) test_step(context, sim);
+    while (pdyn_time(sim) < 0.3) test_step(sim);
     memory = sim->objective.batch[0]->view.memory;
     memcpy(before, memory, (size_t)sim->objective.batch[0]->view.elements * sizeof *before);
     assert_int_equal(pdyn_set_parameter(sim, 0, "stiffness", (const double[]){2000.0}, 1), PDYN_OK);
     for (int e = 0; e < sim->objective.batch[0]->view.elements; e++)
         assert_true(memory[e] == before[e]);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* After the state is restored, steps give the same bits as without. */
@@ -93,10 +91,10 @@ static void test_saved(void **state) {
     (void)state;
     pdyn_context *context = make_context();
     pdyn_sim *first = test_load(context, scene), *second = test_load(context, scene);
-    for (int k = 0; k < 25; k++) test_step(context, first);
+    for (int k = 0; k < 25; k++) test_step(first);
     assert_int_equal(pdyn_save(first, "state"), PDYN_OK);
     assert_int_equal(pdyn_restore(second, "state"), PDYN_OK);
-    for (int k = 0; k < 20; k++) test_step(context, first), test_step(context, second);
+    for (int k = 0; k < 20; k++) test_step(first), test_step(second);
     assert_true(pdyn_state_hash(first) == pdyn_state_hash(second));
     pdyn_free(first), pdyn_free(second);
     pdyn_destroy(context);
@@ -123,10 +121,9 @@ static void test_growth(void **state) {
                            "'surface': {'grid': {'size': [1, 1], 'vertices': [5, 5]}, "
                            "'area_density': 1}, 'constraints': [{'type': 'plastic', "
                            "'stiffness': 1000}]}]}");
-    while (pdyn_time(sim) < 0.3) assert_int_equal(test_step(context, sim).retries, 0);
+    while (pdyn_time(sim) < 0.3) assert_int_equal(test_step(sim).retries, 0);
     assert_null(pdyn_get_warning(sim, 0).code);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void begin_nothing(const void *par, const pdyn_batch *b, int first, int last) {
@@ -156,16 +153,15 @@ static void expect_values(void (*begin)(const void *, const pdyn_batch *, int, i
     char projective[1024];
     snprintf(projective, sizeof projective, "{'solver': {'step': 'projective'}, %s", scene + 1);
     pdyn_sim *sim = test_load(context, projective);
-    for (int k = 0; k < 5; k++) test_step(context, sim);
+    for (int k = 0; k < 5; k++) test_step(sim);
     unsigned before = values_of(sim);
-    while (pdyn_time(sim) < 0.085) test_step(context, sim);
+    while (pdyn_time(sim) < 0.085) test_step(sim);
     assert_int_equal(values_of(sim), before);
-    test_step(context, sim);
+    test_step(sim);
     assert_int_equal(values_of(sim), before + 1);
-    while (pdyn_time(sim) < 0.15) test_step(context, sim);
+    while (pdyn_time(sim) < 0.15) test_step(sim);
     assert_int_equal(values_of(sim), before + 1);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void test_same_weights(void **state) {

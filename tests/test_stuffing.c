@@ -102,9 +102,9 @@ static void test_refusals(void **state) {
     struct mesh ball = read_turned(context, "ball.obj", 0), mesh;
     struct tets tets;
     assert_int_equal(tets_fill(context, &ball, 1e-4 * extent(&ball), &mesh, &tets), PDYN_BAD_INPUT);
-    assert_error(context, "too small");
+    assert_error("too small");
     assert_int_equal(tets_fill(context, &ball, 10.0 * extent(&ball), &mesh, &tets), PDYN_BAD_INPUT);
-    assert_error(context, "too large");
+    assert_error("too large");
     mesh_free(context, &ball);
     pdyn_destroy(context);
 }
@@ -145,7 +145,7 @@ static void test_rigid(void **state) {
                               "'density': 600}}]}");
     test_write_file("scene.json", text, strlen(text));
     assert_int_equal(pdyn_load(context, "scene.json", NULL, 0, &sim), PDYN_BAD_INPUT);
-    assert_error(context, "\"cell\" makes a surface");
+    assert_error("\"cell\" makes a surface");
     const char *const cell = "bodies.0.rigid.cell=0.05";
     assert_int_equal(pdyn_load(context, "scene.json", &cell, 1, &sim), PDYN_OK);
     double mass = 0.0;
@@ -154,8 +154,7 @@ static void test_rigid(void **state) {
     assert_int_equal(sim->body[0].tets, 0);
     test_remove_file("touching.obj");
     test_remove_file("scene.json");
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Every allocation fails once: nothing is left behind. */

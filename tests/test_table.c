@@ -206,7 +206,7 @@ static void test_folder(void **state) {
 /* ---- changes between steps ------------------------------------------------------------------- */
 
 static void steps(pdyn_sim *sim, int count) {
-    for (int k = 0; k < count; k++) test_step(context, sim);
+    for (int k = 0; k < count; k++) test_step(sim);
 }
 
 static const double four[] = {1, 200, 3, 4};

@@ -157,11 +157,10 @@ static void test_grid(void **state) {
 static void test_stretch(void **state) {
     (void)state;
     const double s[3] = {1.2, 0.9, 1.1}, V = 0.4 * 0.2 * 0.3;
-    pdyn_context *context = test_context(1);
     pdyn_sim *sim =
-        test_load(context, "{'duration': 1, 'bodies': [{'volume': {'grid': {'size': [0.4, 0.2, "
-                           "0.3], 'cells': [3, 2, 2]}, 'density': 500}, 'constraints': [{'type': "
-                           "'tet', 'stiffness': 2e4, 'volume_stiffness': 1e5}]}]}");
+        test_open("{'duration': 1, 'bodies': [{'volume': {'grid': {'size': [0.4, 0.2, "
+                  "0.3], 'cells': [3, 2, 2]}, 'density': 500}, 'constraints': [{'type': "
+                  "'tet', 'stiffness': 2e4, 'volume_stiffness': 1e5}]}]}");
     double mass = 0.0, p[3] = {1.15, 0.85, 1.05}, expected = 0.0;
     for (int i = 0; i < sim->objective.particles; i++) {
         mass += sim->objective.mass[i];
@@ -178,8 +177,7 @@ static void test_stretch(void **state) {
     for (int a = 0; a < 3; a++)
         expected += 0.5 * V * (2e4 * (s[a] - 1) * (s[a] - 1) + 1e5 * (s[a] - p[a]) * (s[a] - p[a]));
     assert_true(fabs(elastic_energy(sim) - expected) <= 1e-9 * expected);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Small strains have the energy of Hooke's law: mu sum e^2 + lambda/2 (sum e)^2 per volume. */
@@ -193,36 +191,32 @@ static void test_hooke(void **state) {
              "[3, 2, 2]}, 'density': 500}, 'constraints': [{'type': 'tet', 'stiffness': %.17g, "
              "'volume_stiffness': %.17g}]}]}",
              2.0 * mu, 3.0 * lambda);
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, text);
+    pdyn_sim *sim = test_open(text);
     for (int k = 0; k < 3 * sim->objective.particles; k++) sim->x[k] *= 1.0 + e[k % 3];
     double sum = e[0] + e[1] + e[2];
     double expected =
         V * (mu * (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) + 0.5 * lambda * sum * sum);
     assert_true(fabs(elastic_energy(sim) - expected) <= 1e-3 * expected);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A hanging rod is extended by rho g L^2 / 2 E, without Poisson's effect. */
 static void test_rod(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, "{'duration': 100, 'time_step': {'fixed': 1}, 'frame_interval': 1, 'solver': "
-                 "{'tolerance': 1e-8, 'outer_iterations': 100}, 'bodies': [{'volume': {'grid': "
-                 "{'size': [0.1, 1, 0.1], 'cells': [1, 10, 1]}, 'density': 1000}, 'constraints': "
-                 "[{'type': 'tet', 'stiffness': 1e6}, {'type': 'pin', 'stiffness': 1e10, "
-                 "'vertices': {'box': {'minimum': [-1, 0.49, -1], 'maximum': [1, 1, 1]}}}]}]}");
-    for (int k = 0; k < 60; k++) test_step(context, sim);
+    pdyn_sim *sim =
+        test_open("{'duration': 100, 'time_step': {'fixed': 1}, 'frame_interval': 1, 'solver': "
+                  "{'tolerance': 1e-8, 'outer_iterations': 100}, 'bodies': [{'volume': {'grid': "
+                  "{'size': [0.1, 1, 0.1], 'cells': [1, 10, 1]}, 'density': 1000}, 'constraints': "
+                  "[{'type': 'tet', 'stiffness': 1e6}, {'type': 'pin', 'stiffness': 1e10, "
+                  "'vertices': {'box': {'minimum': [-1, 0.49, -1], 'maximum': [1, 1, 1]}}}]}]}");
+    for (int k = 0; k < 60; k++) test_step(sim);
     double end = 0.0; /* mean of its four points */
     for (int i = 0; i < sim->objective.particles; i++)
         if (sim->rest[3 * i + 1] < -0.49) end += 0.25 * sim->x[3 * i + 1];
     double longer = -0.5 - end, expected = 1000 * 9.81 / (2.0 * 1e6);
     if (!(fabs(longer - expected) < 0.001 * expected))
         fail_msg("the rod is %g m longer, expected %g", longer, expected);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* ---- water hits a ball ----------------------------------------------------------------------- */
@@ -245,7 +239,6 @@ static double volume_of(const pdyn_sim *sim, const pdyn_body *body) {
 static void test_splash_long(void **state) {
     (void)state;
     char scene[2048];
-    pdyn_context *context = test_context(1);
     snprintf(scene, sizeof scene,
              "{'duration': 1, 'gravity': [0, 0, 0], 'bodies': [{'name': 'water', 'particles': "
              "{'radius': 0.02, 'fill': [{'box': {'minimum': [-0.4, -0.1, -0.1], 'maximum': [-0.2, "
@@ -253,13 +246,13 @@ static void test_splash_long(void **state) {
              "'ball', 'volume': {'mesh': '%s/scenes/meshes/ball.ele', 'scale': 0.15, 'density': "
              "500}, 'constraints': [{'type': 'tet', 'stiffness': 2e4, 'volume_stiffness': 5e5}]}]}",
              getenv("PROJDYN_SOURCE_ROOT"));
-    pdyn_sim *sim = test_load(context, scene);
+    pdyn_sim *sim = test_open(scene);
     const pdyn_body *ball = &sim->body[1];
     double volume = volume_of(sim, ball), mass = 0.0, momentum = 0.0, first, worst = 0.0;
-    pdyn_step_info info = test_step(context, sim);
+    pdyn_step_info info = test_step(sim);
     first = info.momentum[0];
     while (info.time < 0.15) {
-        info = test_step(context, sim);
+        info = test_step(sim);
         worst = fmax(worst, fabs(volume_of(sim, ball) / volume - 1.0));
     }
     for (int i = 0; i < ball->count; i++) {
@@ -270,9 +263,7 @@ static void test_splash_long(void **state) {
     assert_true(momentum > 0.1 * first);
     assert_true(worst < 0.01);
     assert_true(mass > 0.9 * 500 * 4.0 / 3.0 * acos(-1.0) * pow(0.15, 3) * 0.8);
-    pdyn_free(sim);
-    assert_int_equal(pdyn_bytes_in_use(context), 0);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* ---- files ----------------------------------------------------------------------------------- */
@@ -322,7 +313,7 @@ static void refuse(const char *path, const char *expected) {
     pdyn_status status = tets_read(context, path, &mesh, &tets);
     if (status == PDYN_OK) status = tets_finish(context, path, &mesh, &tets);
     assert_int_not_equal(status, PDYN_OK);
-    assert_error(context, expected);
+    assert_error(expected);
     tets_free(context, &tets), mesh_free(context, &mesh);
     assert_int_equal(pdyn_bytes_in_use(context), 0);
     assert_true(pdyn_peak_bytes(context) < 100000);

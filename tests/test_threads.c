@@ -23,12 +23,10 @@ static void *run(void *sim) {
 }
 
 static uint64_t hash_alone(const char *text) {
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, text);
+    pdyn_sim *sim = test_open(text);
     assert_non_null(run(sim));
     uint64_t hash = pdyn_state_hash(sim);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return hash;
 }
 
@@ -100,11 +98,10 @@ static void test_errors(void **state) {
     pdyn_destroy(context);
 }
 
-static int run_in_child(pdyn_context *context, pdyn_sim *sim) {
+static int run_in_child(pdyn_sim *sim) {
     if (!run(sim) || pdyn_step(sim, NULL) != PDYN_OK) return 255;
     int code = (int)(pdyn_state_hash(sim) % 251);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return code;
 }
 
@@ -118,7 +115,7 @@ static void test_fork(void **state) {
     assert_true(child >= 0);
     if (!child) {
         alarm(60);
-        _exit(run_in_child(context, sim));
+        _exit(run_in_child(sim));
     }
     int status = 0;
     assert_int_equal(waitpid(child, &status, 0), child);
@@ -126,8 +123,7 @@ static void test_fork(void **state) {
     assert_int_equal(pdyn_step(sim, NULL), PDYN_OK);
     assert_true(WIFEXITED(status));
     assert_int_equal(WEXITSTATUS(status), (int)(pdyn_state_hash(sim) % 251));
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

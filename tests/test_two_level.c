@@ -164,11 +164,9 @@ static void test_galerkin(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = test_load(context, sheets);
-    for (int step = 0; step < 3; step++) test_step(context, sim);
+    for (int step = 0; step < 3; step++) test_step(sim);
     for (int k = 0; k < 3; k++) check_correction(sim, 0.5 * k);
-    pdyn_free(sim);
-    assert_int_equal(pdyn_bytes_in_use(context), 0);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* The blocks of a particle's dynamic constraints lie in the pattern of A, for all nodes that it
@@ -181,7 +179,7 @@ static void test_dynamic_pattern(void **state) {
     char path[1024];
     snprintf(path, sizeof path, "%s/scenes/soft_ball.json", getenv("PROJDYN_SOURCE_ROOT"));
     assert_int_equal(pdyn_load(context, path, NULL, 0, &sim), PDYN_OK);
-    test_step(context, sim);
+    test_step(sim);
     assert_int_equal(coarse_space_create(&c, &sim->model.model), PDYN_OK);
     const struct sparse *prolongation = &c.interpolation.prolongation;
     assert_non_null(c.dynamic);
@@ -192,8 +190,7 @@ static void test_dynamic_pattern(void **state) {
                     assert_true(prolongation->entry[m].column >=
                                 c.a.first[prolongation->entry[k].column]);
     coarse_space_free(&c);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A hanging sheet of %d x %d vertices. */
@@ -210,7 +207,7 @@ static int hanging_iterations(pdyn_context *context, int n) {
     int linear = 0;
     snprintf(text, sizeof text, hanging, n, n, n - 1);
     pdyn_sim *sim = test_load(context, text);
-    for (int step = 0; step < 8; step++) linear += test_step(context, sim).linear_iterations;
+    for (int step = 0; step < 8; step++) linear += test_step(sim).linear_iterations;
     pdyn_free(sim);
     return linear;
 }
@@ -253,7 +250,7 @@ static void test_coupled(void **state) {
     assert_string_equal(pdyn_solver_type(sim[1]), "hybrid");
     for (int k = 0; k < 2; k++)
         for (int step = 0; step < 12; step++) {
-            pdyn_step_info info = test_step(context, sim[k]);
+            pdyn_step_info info = test_step(sim[k]);
             assert_true(info.step_residual <= 0.02);
             if (step >= 6) linear[k] += info.linear_iterations;
         }
@@ -281,10 +278,9 @@ static void test_without_nodes(void **state) {
                                         " [0.4, 0.4, 0.4]}}]}",
                                         "water", &solver[k], 1, &sim),
                          PDYN_OK);
-        for (int step = 0; step < 5; step++) test_step(context, sim);
+        for (int step = 0; step < 5; step++) test_step(sim);
         hash[k] = pdyn_state_hash(sim);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
     assert_true(hash[0] == hash[1]);
 }

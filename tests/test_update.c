@@ -110,20 +110,18 @@ static void test_comes_and_goes(void **state) {
     pdyn_sim *sim = test_load(context, SHEET("\"tolerance\": 1e-8, \"outer_iterations\": 50"));
     assert_int_equal(floor_of(sim)->view.elements, 0);
     for (int k = 0; k < 40; k++) {
-        test_step(context, sim);
+        test_step(sim);
         most = most_of(most, floor_of(sim)->view.elements);
     }
     assert_true(most > 10);
     for (int i = 0; i < 49; i++) assert_true(sim->x[3 * i + 1] > -0.02);
     test_allow(&counter, 0);
-    for (int k = 0; k < 5; k++) test_step(context, sim);
+    for (int k = 0; k < 5; k++) test_step(sim);
     test_allow(&counter, -1);
     for (int i = 0; i < 49; i++) sim->v[3 * i + 1] = 5.0;
-    for (int k = 0; k < 3; k++) test_step(context, sim);
+    for (int k = 0; k < 3; k++) test_step(sim);
     assert_int_equal(floor_of(sim)->view.elements, 0);
-    pdyn_free(sim);
-    assert_int_equal(pdyn_bytes_in_use(context), 0);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static pdyn_status load_and_step(const void *what) {
@@ -164,13 +162,11 @@ static void test_solvers(void **state) {
         pdyn_context *context = test_context(1);
         assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
         pdyn_sim *sim = test_load(context, scene[k]);
-        for (int step = 0; step < 15; step++)
-            assert_true(test_step(context, sim).step_residual < 1e-8);
+        for (int step = 0; step < 15; step++) assert_true(test_step(sim).step_residual < 1e-8);
         if (k == 0) memcpy(x, sim->x, sizeof x);
         assert_true(floor_of(sim)->view.elements > 0);
         assert_true(test_distance(x, sim->x, 3 * 49) < 1e-6);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -196,7 +192,7 @@ static void test_memory(void **state) {
         bool was_below[49];
         if (k == 20) sim->x[1] = 0.3, sim->x[4] = -0.01; /* one leaves, one comes */
         for (int i = 0; i < 49; i++) was_below[i] = sim->x[3 * i + 1] < 0.0;
-        test_step(context, sim);
+        test_step(sim);
         const pdyn_batch *view = &floor_of(sim)->view;
         for (int e = 0; e < view->elements; e++) {
             const struct point *point = (const struct point *)view->data + e;
@@ -207,9 +203,7 @@ static void test_memory(void **state) {
         for (int i = 0; i < 49; i++) expected[i] = was_below[i] ? expected[i] + 1.0 : 0.0;
     }
     assert_true(looked > 20);
-    pdyn_free(sim);
-    assert_int_equal(pdyn_bytes_in_use(context), 0);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* What elements leave is part of a saved state. */
@@ -218,10 +212,10 @@ static void test_saved(void **state) {
     pdyn_context *context = remembering_context();
     pdyn_sim *one = test_load(context, SHEET("\"tolerance\": 1e-6"));
     pdyn_sim *other = test_load(context, SHEET("\"tolerance\": 1e-6"));
-    for (int k = 0; k < 20; k++) test_step(context, one);
+    for (int k = 0; k < 20; k++) test_step(one);
     assert_int_equal(pdyn_save(one, "state"), PDYN_OK);
     assert_int_equal(pdyn_restore(other, "state"), PDYN_OK);
-    for (int k = 0; k < 3; k++) test_step(context, one), test_step(context, other);
+    for (int k = 0; k < 3; k++) test_step(one), test_step(other);
     assert_true(pdyn_state_hash(one) == pdyn_state_hash(other));
     const pdyn_batch *a = &floor_of(one)->view, *b = &floor_of(other)->view;
     assert_true(a->elements > 0 && a->elements == b->elements);
@@ -256,10 +250,8 @@ static void refuse_type(const char *why) {
     assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
     pdyn_sim *sim = test_load(context, SHEET(""));
     assert_int_equal(pdyn_step(sim, NULL), PDYN_BAD_INPUT);
-    assert_error(context, why);
-    pdyn_free(sim);
-    assert_int_equal(pdyn_bytes_in_use(context), 0);
-    pdyn_destroy(context);
+    assert_error(why);
+    test_close(sim);
 }
 
 static void refuse(int count, int particle, double heavy, const char *why) {

@@ -64,7 +64,7 @@ static void test_stress(void **state) {
     add_block(&b, 9, 9, 9);
     for (int k = 0; k < 2; k++) {
         pdyn_sim *sim = load(context, &b, "10", more);
-        test_step(context, sim);
+        test_step(sim);
         struct batch *batch = sim->objective.batch[1];
         double power = 0.0;
         int centre = 4 + 9 * (4 + 9 * 4);
@@ -119,7 +119,7 @@ static void test_rotation(void **state) {
         }
         pdyn_sim *sim = load(context, &b, "1e5", more[k]);
         struct sums before = sums_of(sim);
-        for (int n = 0; n < 40; n++) test_step(context, sim);
+        for (int n = 0; n < 40; n++) test_step(sim);
         for (int i = 0; i < b.count; i++) /* relative to the centre */
             for (int a = 0; a < 3; a++) sim->x[3 * i + a] -= 0.2 * (double[]){0.3, -0.2, 0.1}[a];
         struct sums after = sums_of(sim);
@@ -154,7 +154,7 @@ static void test_couette(void **state) {
     const double speed = 1e-4, height = LAYERS * spacing;
     add_block(&b, 36, LAYERS, 6);
     pdyn_sim *sim = load(context, &b, "10", more);
-    for (int n = 0; n < 20; n++) test_step(context, sim);
+    for (int n = 0; n < 20; n++) test_step(sim);
     for (int i = 0; i < b.count; i++) {
         double exact = speed * (b.x[i][1] / height + 0.5);
         if (fabs(b.x[i][0]) < 0.5 * height) assert_true(fabs(sim->v[3 * i] - exact) < 0.02 * speed);
@@ -168,8 +168,7 @@ static void test_couette(void **state) {
     if (fabs(arm / spacing - 1.0) > 0.02) fail_msg("arm of %g m, spacing %g m", arm, spacing);
     assert_true(fabs(low[0] / -top[0] - 1.0) < 0.01);
     assert_true(fabs(low[0] / exact - 1.0) < 0.15); /* free sides: the outer layers pull less */
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A sheet in the middle of a block that is at rest takes the velocity of the block, and the block
@@ -190,14 +189,13 @@ static void test_sheet(void **state) {
     add_block(&b, 6, 6, 6);
     pdyn_sim *sim = load(context, &b, "10", more);
     struct sums before = sums_of(sim);
-    for (int n = 0; n < 100; n++) test_step(context, sim);
+    for (int n = 0; n < 100; n++) test_step(sim);
     struct sums after = sums_of(sim);
     double mean = 0.0;
     for (int i = 0; i < 49; i++) mean += sim->v[3 * (sim->body[1].first + i)] / 49.0;
     assert_true(vec3_distance(before.linear, after.linear) < 1e-6 * before.size);
     assert_true(fabs(mean) < 0.03);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Fluid in a box that turns comes to turn as fast as the box, with both kernels: the points of a
@@ -222,7 +220,7 @@ static void test_turning_box(void **state) {
         pdyn_context *context = test_context(1);
         pdyn_sim *sim = load(context, &b, "10", more);
         double moment = 0.0, inertia = 0.0;
-        for (int n = 0; n < 40; n++) test_step(context, sim);
+        for (int n = 0; n < 40; n++) test_step(sim);
         const pdyn_state s = pdyn_get_state(sim);
         for (int i = 0; i < s.particles; i++) {
             const double *x = s.x + 3 * i, *v = s.v + 3 * i;
@@ -231,8 +229,7 @@ static void test_turning_box(void **state) {
         if (fabs(moment / inertia / turning - 1.0) > 0.01)
             fail_msg("%s: the fluid turns %.4f times as fast as its box", more[1],
                      moment / inertia / turning);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -261,10 +258,10 @@ static void test_threads(void **state) {
     for (int threads = 1; threads <= 3; threads += 2) {
         pdyn_context *context = test_context(threads);
         pdyn_sim *sim = load(context, &b, "10", stirred), *again = load(context, &b, "10", stirred);
-        for (int n = 0; n < 3; n++) test_step(context, sim);
+        for (int n = 0; n < 3; n++) test_step(sim);
         assert_int_equal(pdyn_save(sim, "state.pdyn"), PDYN_OK);
         assert_int_equal(pdyn_restore(again, "state.pdyn"), PDYN_OK);
-        for (int n = 0; n < 3; n++) test_step(context, sim), test_step(context, again);
+        for (int n = 0; n < 3; n++) test_step(sim), test_step(again);
         assert_true(pdyn_state_hash(sim) == pdyn_state_hash(again));
         if (threads > 1) assert_true(pdyn_state_hash(sim) == hash);
         hash = pdyn_state_hash(sim);
@@ -294,10 +291,9 @@ static void test_zero(void **state) {
     pdyn_context *context = test_context(1);
     add_block(&b, 4, 4, 4);
     pdyn_sim *sim = load(context, &b, "0", more);
-    test_step(context, sim);
+    test_step(sim);
     assert_int_equal(sim->objective.batch[1]->view.elements, 0);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* In a layer of a lattice the rows of `viscosity` that select a particle have diagonal blocks, as
@@ -316,7 +312,7 @@ static void test_beside_pressures(void **state) {
         const char *const more[] = {"time_step.fixed", "0.002", "solver", solver[k], NULL};
         pdyn_sim *sim = load(context, &b, "600", more);
         for (int n = 0; n < 3; n++) {
-            pdyn_step_info info = test_step(context, sim);
+            pdyn_step_info info = test_step(sim);
             assert_true(info.step_residual <= 1e-6);
             linear[k] += info.linear_iterations;
         }
@@ -341,11 +337,10 @@ static void test_approach(void **state) {
     b.v[0][0] = 1500 * spacing;
     pdyn_sim *sim = load(context, &b, "1e-9", more);
     for (int n = 0; n < 3; n++) {
-        assert_true(test_step(context, sim).step_residual <= 1e-9);
+        assert_true(test_step(sim).step_residual <= 1e-9);
         if (n == 0) assert_true(fabs(sim->x[3] - sim->x[0] - 0.4 * spacing) < 1e-6);
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

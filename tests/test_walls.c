@@ -25,18 +25,16 @@ static double beyond(const pdyn_state *s, double size) {
 
 static void test_corner(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, jet);
+    pdyn_sim *sim = test_open(jet);
     const pdyn_state s = pdyn_get_state(sim);
     double most = -INFINITY;
     while (pdyn_time(sim) < 0.06) {
-        test_step(context, sim);
+        test_step(sim);
         most = fmax(most, beyond(&s, 0.6));
     }
     assert_true(most > -0.0125); /* the water has arrived */
     if (most > 0.0) fail_msg("a particle is %g m behind a wall", most);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A plate without thickness across a shaft. */
@@ -49,30 +47,26 @@ static const char *shaft =
 static void test_plate(void **state) {
     (void)state;
     test_write_text("plate.obj", plate);
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, shaft);
+    pdyn_sim *sim = test_open(shaft);
     test_remove_file("plate.obj");
     const pdyn_state s = pdyn_get_state(sim);
     double lowest = INFINITY;
     while (pdyn_time(sim) < 0.1) {
-        test_step(context, sim);
+        test_step(sim);
         for (int i = 0; i < s.particles; i++) lowest = fmin(lowest, s.x[3 * i + 1]);
     }
     assert_true(lowest < 0.23);
     if (lowest < 0.2) fail_msg("a particle is %g m below the plate", 0.2 - lowest);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* The points of a plane are a lattice that reaches its corners; their areas sum to that of it. */
 static void test_plane(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, SCENE("'duration': 1",
-                       FLUID_BOX("'name': 'water', ", "0.02", "0, 0, 0", "0.2, 0.2, 0.2", ""),
-                       ", 'solids': [{'plane': {'center': [0, -1, 0], 'normal': [0, 2, 0], "
-                       "'size': 2}}]"));
+    pdyn_sim *sim = test_open(SCENE(
+        "'duration': 1", FLUID_BOX("'name': 'water', ", "0.02", "0, 0, 0", "0.2, 0.2, 0.2", ""),
+        ", 'solids': [{'plane': {'center': [0, -1, 0], 'normal': [0, 2, 0], "
+        "'size': 2}}]"));
     int side = (int)ceil(2.0 / (0.8 * 0.43 * 0.04)) + 1;
     const struct boundary_points *points = &sim->boundary;
     struct box box = box_around(points->at.x, points->at.count);
@@ -87,23 +81,19 @@ static void test_plane(void **state) {
         assert_true(fabs(box.min[a] + 1.0) < 1e-12);
         assert_true(fabs(box.max[a] - (a == 1 ? -1.0 : 1.0)) < 1e-12);
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A box with two open sides, far thinner than its points are apart. */
 static void test_thin_box(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, SCENE("'duration': 1",
-                       FLUID_BOX("'name': 'water', ", "0.02", "0.1, 0, 0", "0.3, 0.2, 0.2", ""),
-                       ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [1e-13, 1, 1]}, "
-                       "'open': ['-x', '+x']}]"));
+    pdyn_sim *sim = test_open(SCENE(
+        "'duration': 1", FLUID_BOX("'name': 'water', ", "0.02", "0.1, 0, 0", "0.3, 0.2, 0.2", ""),
+        ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [1e-13, 1, 1]}, "
+        "'open': ['-x', '+x']}]"));
     const struct boundary_points *points = &sim->boundary;
     for (int k = 0; k < 3 * points->at.count; k++) assert_true(fabs(points->at.x[k]) < 1.1);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 #define PRESSED(more)                                                                              \
@@ -137,11 +127,9 @@ static void test_thin_box(void **state) {
 static uint64_t hash_of(int threads, const char *scene) {
     pdyn_context *context = test_context(threads);
     pdyn_sim *sim = test_load(context, scene);
-    for (int n = 0; n < 20; n++) test_step(context, sim);
+    for (int n = 0; n < 20; n++) test_step(sim);
     uint64_t hash = pdyn_state_hash(sim);
-    pdyn_free(sim);
-    assert_int_equal(pdyn_bytes_in_use(context), 0);
-    pdyn_destroy(context);
+    test_close(sim);
     return hash;
 }
 
@@ -167,18 +155,16 @@ static void test_failing_allocator(void **state) {
 
 /* Water at rest, 20 x 8 x 8 particles, with solids; `less` particles are left out. */
 static void check_rest(const char *scene, int less) {
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, scene);
+    pdyn_sim *sim = test_open(scene);
     const pdyn_state s = pdyn_get_state(sim);
     assert_int_equal(s.particles, 20 * 8 * 8 - less);
     double fastest = 0.0;
     for (int n = 0; n < 5; n++) {
-        test_step(context, sim);
+        test_step(sim);
         for (int k = 0; k < 3 * s.particles; k++) fastest = fmax(fastest, fabs(s.v[k]));
     }
     if (fastest > 0.3) fail_msg("water at rest moves with %g m/s", fastest);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 #define REST(solids)                                                                               \
@@ -208,15 +194,13 @@ static void test_outside(void **state) {
 
 /* The points of a wall lie behind its face: a sheet between both hides none from the water. */
 static void check_curtain(const char *scene) {
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, scene);
+    pdyn_sim *sim = test_open(scene);
     const pdyn_state s = pdyn_get_state(sim);
     double lowest = INFINITY;
-    while (pdyn_time(sim) < 0.1) test_step(context, sim);
+    while (pdyn_time(sim) < 0.1) test_step(sim);
     for (int i = 0; i < 512; i++) lowest = fmin(lowest, s.x[3 * i]);
     if (lowest < 0.005) fail_msg("a particle is at %g m from the wall", lowest);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 static void test_curtain(void **state) {
@@ -227,17 +211,15 @@ static void test_curtain(void **state) {
 
 /* The largest force of the water on the second body in 20 steps, N. */
 static double push_on(const char *scene) {
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, scene);
+    pdyn_sim *sim = test_open(scene);
     double most = 0.0;
     for (int n = 0; n < 20; n++) {
         double force[3], moment[3];
-        test_step(context, sim);
+        test_step(sim);
         assert_int_equal(pdyn_body_load_by(sim, 1, PDYN_LOAD_FLUID, force, moment), PDYN_OK);
         for (int a = 0; a < 3; a++) most = fmax(most, fabs(force[a]));
     }
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return most;
 }
 
@@ -279,8 +261,7 @@ static bool is_listed(const pdyn_neighbours *l, int i, int j) {
  * others, a pair is in both lists. */
 static void test_pairs(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, BESIDE(SHEET("0", "90, 0, 0"), UPRIGHT));
+    pdyn_sim *sim = test_open(BESIDE(SHEET("0", "90, 0, 0"), UPRIGHT));
     const pdyn_neighbours *l = neighbours_view(sim->objective.neighbours);
     const double *x = sim->objective.samples->x;
     int first = sim->objective.particles, pairs = 0;
@@ -292,8 +273,7 @@ static void test_pairs(void **state) {
     assert_true(pairs > 1000);
     for (int j = first; j < l->particles; j++) pairs -= l->end[j] - l->start[j];
     assert_int_equal(pairs, 0);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 int main(void) {

@@ -37,11 +37,10 @@ static long leaks(const char *scene, const char *subject, int steps) {
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = test_load(context, scene);
     pdyn_step_info info = {0};
-    for (int n = 0; n < steps; n++) info = test_step(context, sim);
+    for (int n = 0; n < steps; n++) info = test_step(sim);
     pdyn_warning w = find_warning(sim, "leak", subject);
     assert_true(info.leaked >= w.count || !w.code);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return w.code ? w.count : 0;
 }
 
@@ -99,17 +98,15 @@ static void test_return(void **state) {
                               "'area_density': 0.2, 'translate': [0, 0.3, 0]",
                               PINS("'box': {'minimum': [-9, -9, -9], 'maximum': [9, 9, 9]}"))),
               "");
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, thrown);
+    pdyn_sim *sim = test_open(thrown);
     long most = 0, last = 0;
     for (int n = 0; n < 70; n++) {
-        last = test_step(context, sim).leaked;
+        last = test_step(sim).leaked;
         most = last > most ? last : most;
     }
     assert_int_equal(most, DUST_COUNT);
     assert_int_equal(last, 0);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Dust passes two sheets and comes back through both: it is counted once, and then not at all. The
@@ -120,16 +117,13 @@ static void test_two_sheets(void **state) {
     GRID_SHEET("'name': '" name "', ", "0.16, 0.16", "9, 9",                                       \
                "'area_density': 0.2, 'translate': [0, " height ", 0]",                             \
                PINS("'box': {'minimum': [-9, -9, -9], 'maximum': [9, 9, 9]}"))
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
-        SCENE(STEPS,
-              PAIR(DUST("0, 3, 0"), PAIR(HIGH_SHEET("low", "0.3"), HIGH_SHEET("high", "0.36"))),
-              ""));
+    pdyn_sim *sim = test_open(SCENE(
+        STEPS, PAIR(DUST("0, 3, 0"), PAIR(HIGH_SHEET("low", "0.3"), HIGH_SHEET("high", "0.36"))),
+        ""));
     long most = 0, last = 0;
     char reached[32] = "";
     for (int n = 0; n < 70; n++) {
-        last = test_step(context, sim).leaked;
+        last = test_step(sim).leaked;
         most = last > most ? last : most;
         if (!*reached && find_warning(sim, "leak", "high").count == DUST_COUNT)
             snprintf(reached, sizeof reached, "by %.3g s", pdyn_time(sim));
@@ -138,8 +132,7 @@ static void test_two_sheets(void **state) {
     assert_int_equal(last, 0);
     assert_int_equal(find_warning(sim, "leak", "high").count, DUST_COUNT);
     assert_string_equal(strstr(find_warning(sim, "leak", "high").text, "by "), reached);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A box at rest, and a plane that rises through the dust. */
@@ -160,9 +153,7 @@ static void test_solids(void **state) {
 /* A hinge: the side x > 0 of a sheet swings from (1, 0) to `side`, x and y, while a particle goes
  * from `begin` to `end`, near the middle of the sheet in z. Returns how many particles passed. */
 static long passed_hinge(const double side[2], const double begin[2], const double end[2]) {
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
+    pdyn_sim *sim = test_open(
         SCENE(WEIGHTLESS,
               PAIR("{'name': 'dust', 'particles': {'radius': 0.01, 'fill': [{'box': {'minimum': "
                    "[0, 0.5, 0.1], 'maximum': [0.02, 0.52, 0.12]}}]}, 'constraints': []}",
@@ -179,8 +170,7 @@ static long passed_hinge(const double side[2], const double begin[2], const doub
     }
     crossings_step(sim, 0.01);
     long passed = crossings_total(sim);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return passed;
 }
 
@@ -239,73 +229,64 @@ static void test_overlap(void **state) {
     assert_non_null(strstr(error, "through solids, and the scene has no \"contact\""));
     assert_null(strstr(error, "unsolved"));
     assert_true(pdyn_state_hash(sim) == hash);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A stretched sheet releases the energy that the scene gives it. */
 static void test_stretched(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, SCENE(WEIGHTLESS ", 'solver': {'tolerance': 1e-4}",
-                                             GRID_SHEET("'name': 'sheet', ", "0.2, 0.2", "9, 9",
-                                                        "'area_density': 0.2", SPRINGS("1e3")),
-                                             ""));
+    pdyn_sim *sim = test_open(SCENE(
+        WEIGHTLESS ", 'solver': {'tolerance': 1e-4}",
+        GRID_SHEET("'name': 'sheet', ", "0.2, 0.2", "9, 9", "'area_density': 0.2", SPRINGS("1e3")),
+        ""));
     for (int k = 0; k < sim->objective.particles; k++) sim->x[3 * k] *= 2.0;
     double fastest = 0.0;
-    for (int n = 0; n < 20; n++) fastest = fmax(fastest, test_step(context, sim).kinetic_energy);
+    for (int n = 0; n < 20; n++) fastest = fmax(fastest, test_step(sim).kinetic_energy);
     assert_true(fastest > 0.1);
     assert_null(find_warning(sim, "energy", "").code);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Two sheets that begin at a fifth of the contact thickness release the energy of contact. */
 static void test_touching(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, SCENE(WEIGHTLESS, PAIR(SHEET_AT("lower", "0"), SHEET_AT("upper", "0.002")),
-                       ", 'contact': {'thickness': 0.01}"));
+    pdyn_sim *sim =
+        test_open(SCENE(WEIGHTLESS, PAIR(SHEET_AT("lower", "0"), SHEET_AT("upper", "0.002")),
+                        ", 'contact': {'thickness': 0.01}"));
     double fastest = 0.0;
-    for (int n = 0; n < 5; n++) fastest = fmax(fastest, test_step(context, sim).kinetic_energy);
+    for (int n = 0; n < 5; n++) fastest = fmax(fastest, test_step(sim).kinetic_energy);
     assert_true(fastest > 1e-4);
     assert_null(find_warning(sim, "energy", "").code);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A bat gives a sheet its speed; there is no fluid. */
 static void test_bat(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, SCENE(WEIGHTLESS, SHEET_AT("sheet", "0"),
-                       ", 'contact': {'thickness': 0.01}, 'solids': [{'box': {'minimum': [-1, -1, "
-                       "-1], 'maximum': [1, -0.02, 1]}, 'motion': [{'time': 0}, {'time': 1, "
-                       "'translate': [0, 5, 0]}]}]"));
+    pdyn_sim *sim =
+        test_open(SCENE(WEIGHTLESS, SHEET_AT("sheet", "0"),
+                        ", 'contact': {'thickness': 0.01}, 'solids': [{'box': {'minimum': [-1, -1, "
+                        "-1], 'maximum': [1, -0.02, 1]}, 'motion': [{'time': 0}, {'time': 1, "
+                        "'translate': [0, 5, 0]}]}]"));
     double fastest = 0.0;
-    for (int n = 0; n < 10; n++) fastest = fmax(fastest, test_step(context, sim).kinetic_energy);
+    for (int n = 0; n < 10; n++) fastest = fmax(fastest, test_step(sim).kinetic_energy);
     assert_true(fastest > 10.0 * sim->energy.mass);
     assert_null(find_warning(sim, "energy", "").code);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A sheet at rest without gravity has the energies of rounding. */
 static void test_rounding(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, SCENE(WEIGHTLESS ", 'solver': {'tolerance': 1e-13, 'outer_iterations': 2}",
-                       GRID_SHEET("'name': 'sheet', ", "1, 1", "11, 11",
-                                  "'area_density': 0.3, 'rotate': [10, 20, 30]",
-                                  SPRINGS("1e6") ", {'type': 'bending', 'bending_rigidity': 0.1}"),
-                       ""));
-    for (int n = 0; n < 20; n++) test_step(context, sim);
+    pdyn_sim *sim =
+        test_open(SCENE(WEIGHTLESS ", 'solver': {'tolerance': 1e-13, 'outer_iterations': 2}",
+                        GRID_SHEET("'name': 'sheet', ", "1, 1", "11, 11",
+                                   "'area_density': 0.3, 'rotate': [10, 20, 30]",
+                                   SPRINGS("1e6") ", {'type': 'bending', 'bending_rigidity': 0.1}"),
+                        ""));
+    for (int n = 0; n < 20; n++) test_step(sim);
     assert_null(find_warning(sim, "energy", "").code);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Steps with this kinetic energy, J, as the energy budget sees them. */
@@ -318,9 +299,8 @@ static void give_energy(pdyn_sim *sim, int steps, double kinetic) {
  * lower for a window of steps: a warning, although it does not reach its start. */
 static void test_gain_after_loss(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, SCENE(WEIGHTLESS, SHEET_AT("sheet", "0"), ""));
-    test_step(context, sim);
+    pdyn_sim *sim = test_open(SCENE(WEIGHTLESS, SHEET_AT("sheet", "0"), ""));
+    test_step(sim);
     sim->energy.total = 10.0;
     give_energy(sim, 25, 10.0), give_energy(sim, 15, 6.0), give_energy(sim, 25, 10.0);
     assert_null(find_warning(sim, "energy", "").code);
@@ -328,8 +308,7 @@ static void test_gain_after_loss(void **state) {
     assert_null(find_warning(sim, "energy", "").code);
     give_energy(sim, 1, 7.0);
     assert_int_equal(find_warning(sim, "energy", "").count, 1);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Pins let a sheet go, which falls without a warning. A gain after that is warned about; after a
@@ -337,22 +316,19 @@ static void test_gain_after_loss(void **state) {
 static void test_gain_after_release(void **state) {
     (void)state;
     for (int begins = 0; begins < 2; begins++) {
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim =
-            test_load(context, SCENE(STEPS,
-                                     GRID_SHEET("'name': 'sheet', ", "0.2, 0.2", "9, 9",
-                                                "'area_density': 0.2",
-                                                SPRINGS("1e3") ", {'type': 'pin', 'until': 0.02, "
-                                                               "'vertices': {'border': true}}"),
-                                     ""));
-        for (int n = 0; n < 20; n++) test_step(context, sim);
+        pdyn_sim *sim = test_open(
+            SCENE(STEPS,
+                  GRID_SHEET("'name': 'sheet', ", "0.2, 0.2", "9, 9", "'area_density': 0.2",
+                             SPRINGS("1e3") ", {'type': 'pin', 'until': 0.02, "
+                                            "'vertices': {'border': true}}"),
+                  ""));
+        for (int n = 0; n < 20; n++) test_step(sim);
         assert_false(pdyn_is_enabled(sim, 1));
         assert_null(find_warning(sim, "energy", "").code);
         if (begins) assert_int_equal(pdyn_enable(sim, 1, true), PDYN_OK);
         give_energy(sim, 1, 1e3);
         assert_int_equal(find_warning(sim, "energy", "").count, !begins);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -360,31 +336,29 @@ static void test_gain_after_release(void **state) {
  * about, after a return to a state before it, too. */
 static void test_gain_after_path(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, SCENE(STEPS,
-                       GRID_SHEET("'name': 'sheet', ", "0.2, 0.2", "9, 9", "'area_density': 0.2",
-                                  SPRINGS("1e3") ", {'type': 'pin', 'until': 0.02, 'vertices': "
-                                                 "{'border': true}, 'path': [[0, 0, 0, 0], "
-                                                 "[0.02, 0, 0.1, 0]]}"),
-                       ""));
+    pdyn_sim *sim =
+        test_open(SCENE(STEPS,
+                        GRID_SHEET("'name': 'sheet', ", "0.2, 0.2", "9, 9", "'area_density': 0.2",
+                                   SPRINGS("1e3") ", {'type': 'pin', 'until': 0.02, 'vertices': "
+                                                  "{'border': true}, 'path': [[0, 0, 0, 0], "
+                                                  "[0.02, 0, 0.1, 0]]}"),
+                        ""));
     static char state_memory[1 << 20];
     size_t size;
     for (int round = 0; round < 2; round++) {
-        test_step(context, sim);
+        test_step(sim);
         if (!round)
             assert_int_equal(pdyn_save_memory(sim, state_memory, sizeof state_memory, &size),
                              PDYN_OK);
         give_energy(sim, 1, 1e3);
-        for (int n = 0; n < 30; n++) test_step(context, sim);
+        for (int n = 0; n < 30; n++) test_step(sim);
         assert_false(pdyn_is_enabled(sim, 1));
         assert_null(find_warning(sim, "energy", "").code);
         if (!round) assert_int_equal(pdyn_restore_memory(sim, state_memory, size), PDYN_OK);
     }
     give_energy(sim, 1, 1e3);
     assert_int_equal(find_warning(sim, "energy", "").count, 1);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* ---- the list -------------------------------------------------------------------------------- */
@@ -396,10 +370,10 @@ static void test_saved(void **state) {
                               PAIR(DUST("0, -1, 0"), BORDER), "");
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, scene), *other = test_load(context, scene);
-    for (int n = 0; n < 6; n++) test_step(context, sim);
+    for (int n = 0; n < 6; n++) test_step(sim);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
     assert_int_equal(pdyn_restore(other, "state"), PDYN_OK);
-    for (int n = 0; n < 4; n++) test_step(context, other), test_step(context, sim);
+    for (int n = 0; n < 4; n++) test_step(other), test_step(sim);
     for (int k = 0; k < 10; k++) {
         pdyn_warning a = pdyn_get_warning(sim, k), b = pdyn_get_warning(other, k);
         if (!a.code) break;
@@ -422,28 +396,23 @@ static void test_saved(void **state) {
 /* A name of 64 characters: one warning that counts all steps. */
 static void test_long_name(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
+    pdyn_sim *sim = test_open(
         SCENE("'duration': 1, 'solver': {'outer_iterations': 1, 'tolerance': 1e-9}",
               GRID_SHEET("'name': '" LONG_NAME "', ", "0.4, 0.4", "5, 5", "'area_density': 0.2",
                          PAIR(SPRINGS("1000"), PINS("'border': true"))),
               ""));
-    for (int n = 0; n < 5; n++) test_step(context, sim);
+    for (int n = 0; n < 5; n++) test_step(sim);
     assert_int_equal(find_warning(sim, "unsolved", LONG_NAME).count, 5);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 #define FALLING(outlets) SCENE(STEPS, DUST("0, -5, 0"), outlets)
 
 static bool warns_of_fall(const char *scene, const char *body) {
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, scene);
-    for (int n = 0; n < 20; n++) test_step(context, sim);
+    pdyn_sim *sim = test_open(scene);
+    for (int n = 0; n < 20; n++) test_step(sim);
     bool found = find_warning(sim, "fell-out", body).code;
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return found;
 }
 
@@ -468,16 +437,14 @@ static void test_fallen(void **state) {
 /* The triangles of a ball, which nobody chooses, beside coarse water, in thicker contact. */
 static void test_ball(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, SCENE(STEPS,
-                       PAIR(DUST("0, 0, 0"), "{'name': 'ball', 'rigid': {'sphere': {'center': [0, "
-                                             "-0.1, 0], 'radius': 0.05}, 'density': 500}}"),
-                       ", 'contact': {'thickness': 0.01}"));
+    pdyn_sim *sim =
+        test_open(SCENE(STEPS,
+                        PAIR(DUST("0, 0, 0"), "{'name': 'ball', 'rigid': {'sphere': {'center': [0, "
+                                              "-0.1, 0], 'radius': 0.05}, 'density': 500}}"),
+                        ", 'contact': {'thickness': 0.01}"));
     assert_null(find_warning(sim, "edge-length", "ball").code);
     assert_null(find_warning(sim, "contact-thickness", "ball").code);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* A cube of 0.1 m that moves by 0.06 m in a step, and one that is half as fast. */
@@ -490,13 +457,11 @@ static void test_fast(void **state) {
     static const char *const speed[] = {"30", "15"};
     for (int k = 0; k < 2; k++) {
         char text[512];
-        pdyn_context *context = test_context(1);
         snprintf(text, sizeof text, scene, speed[k]);
-        pdyn_sim *sim = test_load(context, text);
-        test_step(context, sim), test_step(context, sim);
+        pdyn_sim *sim = test_open(text);
+        test_step(sim), test_step(sim);
         assert_int_equal(find_warning(sim, "fast", "cube").count, k ? 0 : 2);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -513,18 +478,16 @@ static void test_press(void **state) {
     for (int beside = 0; beside < 2; beside++) {
         char text[1024];
         double x[12];
-        pdyn_context *context = test_context(1);
         snprintf(text, sizeof text, scene, beside);
-        pdyn_sim *sim = test_load(context, text);
-        for (int n = 0; n < 25; n++) test_step(context, sim);
+        pdyn_sim *sim = test_open(text);
+        for (int n = 0; n < 25; n++) test_step(sim);
         pdyn_warning w = find_warning(sim, "solid-waits", "press");
         assert_int_equal(pdyn_solid_vertices(sim, 1, x), 4);
         if (beside) assert_null(w.code);
         else assert_in_range(w.count, 5, 25);
         if (beside) assert_true(fabs(x[1] - 0.06) < 1e-12);
         else assert_true(x[1] > sim->x[3 * sim->body[0].first + 7 * 3 + 1]); /* top of the cube */
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -542,13 +505,11 @@ static void test_pressed(void **state) {
     static const char *const stiffness[] = {", 'stiffness': 1000", ""};
     for (int k = 0; k < 2; k++) {
         char text[1024];
-        pdyn_context *context = test_context(1);
         snprintf(text, sizeof text, scene, stiffness[k]);
-        pdyn_sim *sim = test_load(context, text);
-        for (int n = 0; n < 60; n++) test_step(context, sim);
+        pdyn_sim *sim = test_open(text);
+        for (int n = 0; n < 60; n++) test_step(sim);
         assert_int_equal(find_warning(sim, "contact-stiffness", "").count > 0, !k);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -562,15 +523,13 @@ static void test_pinned_flat(void **state) {
         "'stretching_stiffness': 500}, {'type': 'pin', 'vertices': {'border': true}, 'path': [[0, "
         "0, 0, 0], [0.1, 0, -0.02, 0]]}]}], 'solids': [{'plane': {'center': [0, 0, 0], 'normal': "
         "[0, 1, 0], 'size': 1}}]}";
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, scene);
-    for (int n = 0; n < 25; n++) test_step(context, sim);
+    pdyn_sim *sim = test_open(scene);
+    for (int n = 0; n < 25; n++) test_step(sim);
     pdyn_warning w = find_warning(sim, "contact-stiffness", "sheet");
     assert_true(w.count > 0);
     assert_non_null(strstr(w.text, "pins"));
     assert_null(find_warning(sim, "contact-stiffness", "").code);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* ---- constraints without elements ------------------------------------------------------------ */
@@ -611,16 +570,14 @@ static void fill(const void *par, const pdyn_batch *b, int first, int last) {
 
 static pdyn_warning squeezed(const char *scene) {
     static pdyn_warning w;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, scene);
-    while (pdyn_time(sim) < 0.3) test_step(context, sim);
+    pdyn_sim *sim = test_open(scene);
+    while (pdyn_time(sim) < 0.3) test_step(sim);
     w = find_warning(sim, "squeezed", "plate");
     static char text[512];
     snprintf(text, sizeof text, "%s", w.text ? w.text : "");
     w.text = text;
     print_message("%ld steps: %s\n", w.count, text);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return w;
 }
 
@@ -665,17 +622,14 @@ static void test_without_elements(void **state) {
     assert_non_null(find_warning(sim, "no-effect", "small").code);
     assert_null(find_warning(sim, "no-effect", "large").code);
     assert_non_null(find_warning(sim, "no-contact", "small").code); /* it holds no body */
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* Loads a scene and returns whether it has a warning of a code about the sheet. */
 static bool warns(const char *scene, const char *code, const char *subject) {
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, scene);
+    pdyn_sim *sim = test_open(scene);
     bool found = find_warning(sim, code, subject).code;
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
     return found;
 }
 
@@ -761,10 +715,9 @@ static void test_places(void **state) {
     assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
     pdyn_sim *sim =
         test_load(context, SCENE(STEPS, SHEET("{'type': 'attract', 'path': [[0, 0, 5, 0]]}"), ""));
-    test_step(context, sim);
+    test_step(sim);
     assert_null(find_warning(sim, "unusual", "sheet").code);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 #define WATER_AT(x0, x1) FLUID_BOX("'name': 'far', ", "0.01", x0 ", 0, 0", x1 ", 0.1, 0.1", "")
@@ -935,11 +888,10 @@ static void test_momentum(void **state) {
         pdyn_context *context = test_context(1);
         assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
         pdyn_sim *sim = test_load(context, scenes[held]);
-        for (int n = 0; n < 4; n++) test_step(context, sim);
+        for (int n = 0; n < 4; n++) test_step(sim);
         pdyn_warning w = find_warning(sim, "momentum", "sheet");
         assert_true(held ? !w.code : w.count == 4 && strstr(w.text, "forces of \"loose\""));
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -947,18 +899,16 @@ static void test_momentum(void **state) {
  * of no type of the library. */
 static void test_momentum_of_bending(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, SCENE("'duration': 1, 'gravity': [0, 0, 0]",
-                       GRID_SHEET("'name': 'sheet', 'velocity': [0, 1, 0], ", "0.4, 0.4", "9, 9",
-                                  "'translate': [30, 30, 0], 'area_density': 0.01",
-                                  PAIR(SPRINGS("1e4"), "{'type': 'bending', 'bending_rigidity': "
-                                                       "100}")),
-                       ""));
-    for (int n = 0; n < 3; n++) test_step(context, sim);
+    pdyn_sim *sim =
+        test_open(SCENE("'duration': 1, 'gravity': [0, 0, 0]",
+                        GRID_SHEET("'name': 'sheet', 'velocity': [0, 1, 0], ", "0.4, 0.4", "9, 9",
+                                   "'translate': [30, 30, 0], 'area_density': 0.01",
+                                   PAIR(SPRINGS("1e4"), "{'type': 'bending', 'bending_rigidity': "
+                                                        "100}")),
+                        ""));
+    for (int n = 0; n < 3; n++) test_step(sim);
     assert_null(find_warning(sim, "momentum", "sheet").code);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 /* What looks for the type changes no bit: with water beside the sheet, any number of threads gives
@@ -977,11 +927,10 @@ static void test_momentum_beside_fluid(void **state) {
         pdyn_context *context = test_context(1 + k);
         assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
         pdyn_sim *sim = test_load(context, scene);
-        for (int n = 0; n < 25; n++) test_step(context, sim);
+        for (int n = 0; n < 25; n++) test_step(sim);
         assert_non_null(find_warning(sim, "momentum", "sheet").code);
         hash[k] = pdyn_state_hash(sim);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
     assert_true(hash[0] == hash[1]);
 }

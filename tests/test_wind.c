@@ -8,8 +8,7 @@ static const double g = 9.81, air = 1.2;
 
 /* A sheet of 1 m^2 of this mass in kg, rotated about x by an angle in degrees; wind along y in m/s.
  */
-static pdyn_sim *load(pdyn_context *context, double h, double mass, double angle, double wind,
-                      const char *more) {
+static pdyn_sim *load(double h, double mass, double angle, double wind, const char *more) {
     char text[1024];
     snprintf(
         text, sizeof text,
@@ -20,7 +19,7 @@ static pdyn_sim *load(pdyn_context *context, double h, double mass, double angle
                   PAIR(STRAIN("10"), "{'type': 'wind', 'drag': 1.5, 'velocity': [0, %.17g, 0]}")),
               ""),
         h, more, angle, mass, wind);
-    return test_load(context, text);
+    return test_open(text);
 }
 
 /* Falling flat, m (v' + g) = 1/2 rho drag v^2 with one of the two v implicit, up to the terminal
@@ -32,19 +31,17 @@ static void test_terminal_velocity(void **state) {
         const char *solver;
     } runs[] = {{0.01, 0.2, ""}, {0.1, 1e-3, ""}, {0.1, 1e-3, ", 'step': 'projective'"}};
     for (int k = 0; k < 3; k++) {
-        pdyn_context *context = test_context(1);
         double h = runs[k].h, m = runs[k].mass, v = 0.0;
-        pdyn_sim *sim = load(context, h, m, 0.0, 0.0, runs[k].solver);
+        pdyn_sim *sim = load(h, m, 0.0, 0.0, runs[k].solver);
         for (int n = 0; n < 300; n++) {
-            pdyn_step_info info = test_step(context, sim);
+            pdyn_step_info info = test_step(sim);
             double push = 0.5 * air * 1.5 * fabs(v);
             v = (v - h * g) / (1.0 + h * push / m);
             for (int i = 0; i < 12; i++) assert_true(fabs(sim->v[3 * i + 1] / v - 1.0) < 1e-6);
             assert_true(info.constraint_energy < 1e-9);
         }
         assert_true(fabs(v / -sqrt(2.0 * m * g / (air * 1.5)) - 1.0) < 1e-3);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 
@@ -53,16 +50,14 @@ static void test_terminal_velocity(void **state) {
 static void test_direction(void **state) {
     (void)state;
     for (int k = 0; k < 4; k++) {
-        pdyn_context *context = test_context(1);
         double angle = 30.0 + 180.0 * (k / 2), wind = k % 2 ? 5.0 : -5.0, h = 1e-5;
-        pdyn_sim *sim = load(context, h, 0.2, angle, wind, "");
-        pdyn_step_info info = test_step(context, sim);
+        pdyn_sim *sim = load(h, 0.2, angle, wind, "");
+        pdyn_step_info info = test_step(sim);
         double c = cos(angle * acos(-1.0) / 180.0), s = sin(angle * acos(-1.0) / 180.0);
         double across = wind * c, force = 0.5 * air * 1.5 * across * fabs(across);
         double expected[3] = {0.0, h * (force * c - 0.2 * g), h * force * s};
         assert_true(vec3_distance(info.momentum, expected) < 1e-3 * vec3_length(expected));
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 

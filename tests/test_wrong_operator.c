@@ -157,12 +157,11 @@ static void test_pairs(void **state) {
                  "-1, 0], 'constraints': [{'type': 'grains'}]}], 'solids': [{'box': {'minimum': "
                  "[-0.4, 0, -0.4], 'maximum': [0.4, 1, 0.4]}, 'open': ['+y']}]}");
     int impacts = 0;
-    for (int n = 0; n < 20; n++) impacts += (int)test_step(context, sim).impacts;
+    for (int n = 0; n < 20; n++) impacts += (int)test_step(sim).impacts;
     const pdyn_state s = pdyn_get_state(sim);
     assert_true(impacts > 0);
     for (int i = 0; i < s.particles; i++) assert_true(s.x[3 * i + 1] > 0.0);
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    test_close(sim);
 }
 
 #define WRONG(callback, wrong, text)                                                               \
