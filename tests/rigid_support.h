@@ -8,27 +8,31 @@
 
 #include <string.h>
 
-#define BOX(more)                                                                                  \
+/* rigid: keys of the rigid body; keys: others of the body; each with a comma before it, or "" */
+#define BOX(rigid, keys)                                                                           \
     "{'name': 'box', 'rigid': {'box': {'minimum': [-0.1, -0.2, -0.3], 'maximum': [0.1, 0.2, "      \
-    "0.3]}, 'density': 700" more "}"
-#define STEPS_OF(h, gravity)                                                                       \
-    "'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': " h "}, 'gravity': " gravity
+    "0.3]}, 'density': 700" rigid "}" keys "}"
+
+/* A scene with steps of h, s; more: other keys, each with a comma before it, or "" */
+#define RIGID_SCENE(h, gravity, more, bodies) RIGID_HEAD(h, gravity, more) bodies "]}"
+/* The same up to the list of its bodies. */
+#define RIGID_HEAD(h, gravity, more)                                                               \
+    "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': " h                         \
+    "}, 'gravity': " gravity more ", 'bodies': ["
 
 /* The box, a ball and a cloth hit each other. */
 #define COLLISION(contact)                                                                         \
-    "{" STEPS_OF("0.002",                                                                          \
-                 "[0, 0, 0]") ", 'contact': {'thickness': 0.002, 'stiffness': 1e4" contact "}, "   \
-                              "'solver': {'tolerance': 1e-6, 'outer_iterations': 100}, "           \
-                              "'bodies': [" BOX(                                                   \
-                                  ", 'rotate': [10, 20, 30], 'angular_velocity': [1, 2, "          \
-                                  "0]") ", 'velocity': [1, 0, 0]}, "                               \
-                                        "{'name': 'ball', 'rigid': {'sphere': {'center': "         \
-                                        "[0.45, 0.1, 0], 'radius': 0.1}, 'mass': 8}}, "            \
-                                        "{'name': 'cloth', 'surface': {'grid': {'size': "          \
-                                        "[0.4, 0.4], 'vertices': [7, 7]}, 'rotate': "              \
-                                        "[0, 0, 90], 'translate': [0.58, 0.1, 0], "                \
-                                        "'area_density': 1}, 'constraints': [{'type': "            \
-                                        "'spring', 'stretching_stiffness': 1000}]}]}"
+    RIGID_SCENE(                                                                                   \
+        "0.002", "[0, 0, 0]",                                                                      \
+        ", 'contact': {'thickness': 0.002, 'stiffness': 1e4" contact                               \
+        "}, 'solver': {'tolerance': 1e-6, 'outer_iterations': 100}",                               \
+        PAIR(PAIR(BOX(", 'rotate': [10, 20, 30], 'angular_velocity': [1, 2, 0]",                   \
+                      ", 'velocity': [1, 0, 0]"),                                                  \
+                  "{'name': 'ball', 'rigid': {'sphere': {'center': [0.45, 0.1, 0], 'radius': "     \
+                  "0.1}, 'mass': 8}}"),                                                            \
+             GRID_SHEET("'name': 'cloth', ", "0.4, 0.4", "7, 7",                                   \
+                        "'rotate': [0, 0, 90], 'translate': [0.58, 0.1, 0], 'area_density': 1",    \
+                        SPRINGS("1000"))))
 
 static const double pi = 3.14159265358979323846;
 

@@ -104,9 +104,9 @@ static const double side[3] = {0.2, 0.4, 0.6};
 
 static void test_mass(void **state) {
     (void)state;
-    pdyn_sim *sim = test_open("{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX(
-        ", 'translate': [3, 4, 5], 'rotate': [0, 90, 0], "
-        "'angular_velocity': [0, 0, 2]") "}]}");
+    pdyn_sim *sim = test_open(RIGID_SCENE(
+        "0.01", "[0, 0, 0]", "",
+        BOX(", 'translate': [3, 4, 5], 'rotate': [0, 90, 0], 'angular_velocity': [0, 0, 2]", "")));
     double m = 700.0 * side[0] * side[1] * side[2], c[3];
     const struct momenta p = momenta_of(sim);
     mean_of(sim, 0, sim->x, c);
@@ -121,14 +121,11 @@ static void test_mass(void **state) {
 /* Block Jacobi solves for rigid bodies exactly: one iteration is enough. */
 static void test_linear_solve(void **state) {
     (void)state;
-    pdyn_sim *sim = test_open("{" STEPS_OF(
-        "0.01",
-        "[0, 0, 0]") ", 'solver': {'type': 'cg'}, "
-                     "'bodies': [" BOX(
-                         ", 'rotate': [10, 20, 30], "
-                         "'angular_velocity': [0, 1, 2]") ", 'constraints': [{'type': 'pin', "
-                                                          "'stiffness': 1e5, 'vertices': "
-                                                          "{'vertices': [0, 3]}}]}]}");
+    pdyn_sim *sim =
+        test_open(RIGID_SCENE("0.01", "[0, 0, 0]", ", 'solver': {'type': 'cg'}",
+                              BOX(", 'rotate': [10, 20, 30], 'angular_velocity': [0, 1, 2]",
+                                  ", 'constraints': [{'type': 'pin', 'stiffness': 1e5, 'vertices': "
+                                  "{'vertices': [0, 3]}}]")));
     const pdyn_stop stop = {.rel_tol = 1e-9, .max_iterations = 100, .first_of_step = true};
     uint64_t seed = 1;
     int iterations, n = 3 * sim->objective.particles;
@@ -156,10 +153,11 @@ static void centre_of_mass(const pdyn_sim *sim, double c[3]) {
  */
 static void test_ballast(void **state) {
     (void)state;
-    pdyn_sim *sim = test_open("{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX(
-        ", 'translate': [3, 4, 5], 'rotate': [0, 90, 0], "
-        "'center_of_mass': [0.05, 0.1, 0], "
-        "'angular_velocity': [0, 0, 2]") "}]}");
+    pdyn_sim *sim =
+        test_open(RIGID_SCENE("0.01", "[0, 0, 0]", "",
+                              BOX(", 'translate': [3, 4, 5], 'rotate': [0, 90, 0], "
+                                  "'center_of_mass': [0.05, 0.1, 0], 'angular_velocity': [0, 0, 2]",
+                                  "")));
     double c[3], middle[3], swung;
     centre_of_mass(sim, c);
     assert_true(fabs(c[0] - 3.0) < 1e-12 && fabs(c[1] - 4.1) < 1e-12 && fabs(c[2] - 4.95) < 1e-12);
@@ -184,11 +182,12 @@ static void test_flight(void **state) {
     top_inertia(side, I);
     for (int k = 0; k < 2; k++) {
         char text[1024];
-        snprintf(text, sizeof text,
-                 "{'duration': 1000, 'frame_interval': 1000, 'gravity': [0, 0, 0], 'time_step': "
-                 "{'fixed': %g, 'integrator': '%s'}, 'bodies': [" BOX(
-                     ", 'angular_velocity': [0.02, 10, 0.03]") ", 'velocity': [0.3, -0.2, 0.1]}]}",
-                 h[k], integrators[k]);
+        snprintf(
+            text, sizeof text,
+            "{'duration': 1000, 'frame_interval': 1000, 'gravity': [0, 0, 0], 'time_step': "
+            "{'fixed': %g, 'integrator': '%s'}, 'bodies': [" BOX(
+                ", 'angular_velocity': [0.02, 10, 0.03]", ", 'velocity': [0.3, -0.2, 0.1]") "]}",
+            h[k], integrators[k]);
         pdyn_sim *sim = test_open(text);
         struct momenta start = momenta_of(sim);
         struct top top = {{0.02, 10.0, 0.03}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
@@ -251,7 +250,7 @@ static void test_pendulum(void **state) {
 /* Forces of a program turn and move a free box as Newton's and Euler's laws say. */
 static void test_forces(void **state) {
     (void)state;
-    pdyn_sim *sim = test_open("{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX("") "}]}");
+    pdyn_sim *sim = test_open(RIGID_SCENE("0.01", "[0, 0, 0]", "", BOX("", "")));
     double m = 700.0 * side[0] * side[1] * side[2], force[24] = {0};
     force[1] = 2.0, force[4] = -2.0; /* at (-0.1, -0.2, -0.3) and (0.1, -0.2, -0.3): -0.4 N m */
     force[8] = 3.0;
@@ -268,28 +267,21 @@ static void test_forces(void **state) {
 
 /* ---- water ----------------------------------------------------------------------------------- */
 
-static const char hit[] =
-    "{" STEPS_OF("0.002", "[0, 0, 0]") ", 'contact': {'thickness': 0.004}, 'bodies': [{'name': "
-                                       "'water', 'particles': {'radius': 0.01, 'fill': [{'box': "
-                                       "{'minimum': [-0.1, 0.03, -0.1], "
-                                       "'maximum': [0.1, 0.15, 0.1]}, 'velocity': [0, -2, 0]}]}, "
-                                       "'constraints': [{'type': 'fluid'}]},"
-                                       "{'name': 'box', 'rigid': {'box': {'minimum': [-0.05, "
-                                       "-0.06, -0.1], 'maximum': [0.15, 0, "
-                                       "0.1]}, 'density': 500, 'fluid_friction': 10}}]}";
+static const char hit[] = RIGID_SCENE(
+    "0.002", "[0, 0, 0]", ", 'contact': {'thickness': 0.004}",
+    "{'name': 'water', 'particles': {'radius': 0.01, 'fill': [{'box': {'minimum': [-0.1, 0.03, "
+    "-0.1], 'maximum': [0.1, 0.15, 0.1]}, 'velocity': [0, -2, 0]}]}, 'constraints': [{'type': "
+    "'fluid'}]},{'name': 'box', 'rigid': {'box': {'minimum': [-0.05, -0.06, -0.1], 'maximum': "
+    "[0.15, 0, 0.1]}, 'density': 500, 'fluid_friction': 10}}");
 
 /* Water falls on two boxes of which one lies on the other: A of `dual` is a matrix of bodies. */
-static const char pair[] =
-    "{" STEPS_OF("0.002", "[0, 0, 0]") ", 'contact': {'thickness': 0.004, 'stiffness': 1e4}, "
-                                       "'bodies': [{'name': 'water', 'particles': {'radius': 0.01, "
-                                       "'fill': [{'box': {'minimum': [-0.1, 0.03, -0.1], "
-                                       "'maximum': [0.1, 0.11, 0.1]}, 'velocity': [0, -2, 0]}]}, "
-                                       "'constraints': [{'type': 'fluid'}]},"
-                                       "{'name': 'upper', 'rigid': {'box': {'minimum': [-0.05, "
-                                       "-0.06, -0.1], 'maximum': [0.15, 0, 0.1]}, 'density': 500}},"
-                                       "{'name': 'lower', 'rigid': {'box': {'minimum': [-0.1, "
-                                       "-0.12, -0.1], 'maximum': [0.1, -0.063, 0.1]}, 'density': "
-                                       "2000}}]}";
+static const char pair[] = RIGID_SCENE(
+    "0.002", "[0, 0, 0]", ", 'contact': {'thickness': 0.004, 'stiffness': 1e4}",
+    "{'name': 'water', 'particles': {'radius': 0.01, 'fill': [{'box': {'minimum': [-0.1, 0.03, "
+    "-0.1], 'maximum': [0.1, 0.11, 0.1]}, 'velocity': [0, -2, 0]}]}, 'constraints': [{'type': "
+    "'fluid'}]},{'name': 'upper', 'rigid': {'box': {'minimum': [-0.05, -0.06, -0.1], 'maximum': "
+    "[0.15, 0, 0.1]}, 'density': 500}},{'name': 'lower', 'rigid': {'box': {'minimum': [-0.1, "
+    "-0.12, -0.1], 'maximum': [0.1, -0.063, 0.1]}, 'density': 2000}}");
 
 static void test_pair(void **state) {
     (void)state;
@@ -326,8 +318,8 @@ static void test_water_long(void **state) {
 
 static void test_poses(void **state) {
     (void)state;
-    pdyn_sim *sim = test_open("{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX(
-        ", 'center_of_mass': [0.05, 0.1, 0]") "}]}");
+    pdyn_sim *sim = test_open(
+        RIGID_SCENE("0.01", "[0, 0, 0]", "", BOX(", 'center_of_mass': [0.05, 0.1, 0]", "")));
     double x[24], v[24], R[9], turned[3];
     vec3_rotation(R, (const double[3]){30, 40, 50});
     for (int i = 0; i < 8; i++) {

@@ -37,10 +37,9 @@ static void test_slope(void **state) {
 /* Five boxes of the same size on each other, edge over edge. */
 static pdyn_sim *load_stack(void) {
     char text[2048] =
-        "{" STEPS_OF("0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.002, "
-                                               "'stiffness': 1e5}, 'solids': [{'plane': {'center': "
-                                               "[0, 0, 0], 'normal': [0, "
-                                               "1, 0], 'size': 4}}], 'bodies': [";
+        RIGID_HEAD("0.005", "[0, -9.81, 0]",
+                   ", 'contact': {'thickness': 0.002, 'stiffness': 1e5}, 'solids': [{'plane': "
+                   "{'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 4}}]");
     for (int k = 0; k < 5; k++) {
         double low = 0.0018 + 0.1018 * k;
         size_t used = strlen(text);
@@ -78,10 +77,10 @@ static double press(const char *low, const char *density) {
     double highest = 0.0;
     char text[2048];
     snprintf(text, sizeof text,
-             "{" STEPS_OF("0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004}, 'solids': "
-                                                    "[{'plane': {'center': [0, 0, 0], 'normal': "
-                                                    "[0, 1, 0], 'size': 1}}], 'bodies': [" CUBE(
-                                                        "0.0038", "1") ", " CUBE("%s", "%s") "]}",
+             RIGID_SCENE("0.005", "[0, -9.81, 0]",
+                         ", 'contact': {'thickness': 0.004}, 'solids': [{'plane': {'center': [0, "
+                         "0, 0], 'normal': [0, 1, 0], 'size': 1}}]",
+                         CUBE("0.0038", "1") ", " CUBE("%s", "%s")),
              low, density);
     pdyn_sim *sim = test_open(text);
     for (int n = 0; n < 50; n++) highest = fmax(highest, test_step(sim).kinetic_energy);
@@ -102,11 +101,11 @@ static void test_light_under_heavy(void **state) {
  */
 static void test_edge_over_edge(void **state) {
     (void)state;
-    pdyn_sim *sim = test_open("{" STEPS_OF(
-        "0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.4}, "
-                                  "'solids': [{'plane': {'center': [0, 0, 0], 'normal': [0, "
-                                  "1, 0], 'size': 1}}], 'bodies': [" CUBE("0.003", "100") ", " CUBE(
-                                      "0.106", "1e5") "]}");
+    pdyn_sim *sim =
+        test_open(RIGID_SCENE("0.005", "[0, -9.81, 0]",
+                              ", 'contact': {'thickness': 0.004, 'friction': 0.4}, 'solids': "
+                              "[{'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 1}}]",
+                              CUBE("0.003", "100") ", " CUBE("0.106", "1e5")));
     for (int n = 0; n < 40; n++) assert_true(test_step(sim).step_residual <= 0.1);
     test_close(sim);
 }
@@ -115,10 +114,9 @@ static void test_edge_over_edge(void **state) {
  * turn, the rigid pose beside it is no closer than a path may lead. */
 static void test_turning_nails_long(void **state) {
     (void)state;
-    char text[4096] = "{" STEPS_OF(
-        "0.005",
-        "[0, -9.81, 0]") ", 'contact': {'thickness': 0.0005}, 'solids': [{'plane': {'center': [0, "
-                         "0, 0], 'normal': [0, 1, 0], 'size': 4}}], 'bodies': [";
+    char text[4096] = RIGID_HEAD("0.005", "[0, -9.81, 0]",
+                                 ", 'contact': {'thickness': 0.0005}, 'solids': [{'plane': "
+                                 "{'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 4}}]");
     for (int k = 0; k < 5; k++) {
         size_t used = strlen(text);
         snprintf(text + used, sizeof text - used,
@@ -172,37 +170,33 @@ static void turn_bars(const char *scene, int count, int seed, double low) {
 /* Where the path of a bar stops again and again, the bar does not move. */
 static void test_turning_bars(void **state) {
     (void)state;
-    turn_bars("{" STEPS_OF("0.02", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.001, 'friction': "
-                                                    "0.3}, 'bodies': [",
-              9, 29, 0.0);
+    turn_bars(
+        RIGID_HEAD("0.02", "[0, -9.81, 0]", ", 'contact': {'thickness': 0.001, 'friction': 0.3}"),
+        9, 29, 0.0);
 }
 
 /* Beside water, whose particles limit displacements: a turn may stop there, too. */
 static void test_turning_bars_in_water_long(void **state) {
     (void)state;
-    turn_bars(
-        "{" STEPS_OF(
-            "0.01",
-            "[0, -9.81, 0]") ", 'contact': {'thickness': 0.001, 'friction': "
-                             "0.3}, 'solids': [{'box': {'minimum': [-0.2, 0, -0.12], 'maximum': "
-                             "[0.6, 1.5, "
-                             "0.12]}, 'open': ['+y']}], 'bodies': [{'particles': {'radius': 0.015, "
-                             "'rest_density': 1000, 'fill': [{'box': {'minimum': [-0.2, 0, -0.12], "
-                             "'maximum': "
-                             "[0.6, 0.12, 0.12]}}]}, 'constraints': [{'type': 'fluid'}]}, ",
-        6, 6, 0.25);
+    turn_bars(RIGID_HEAD("0.01", "[0, -9.81, 0]",
+                         ", 'contact': {'thickness': 0.001, 'friction': 0.3}, 'solids': [{'box': "
+                         "{'minimum': [-0.2, 0, -0.12], 'maximum': [0.6, 1.5, 0.12]}, 'open': "
+                         "['+y']}]") "{'particles': {'radius': 0.015, 'rest_density': 1000, "
+                                     "'fill': [{'box': {'minimum': [-0.2, 0, -0.12], 'maximum': "
+                                     "[0.6, 0.12, 0.12]}}]}, 'constraints': [{'type': 'fluid'}]}, ",
+              6, 6, 0.25);
 }
 
 /* A needle of 0.6 m x 1 mm falls on a floor, whose friction turns it fast about its axis: its
  * energy does not grow. */
 static void test_needle(void **state) {
     (void)state;
-    pdyn_sim *sim = test_open("{" STEPS_OF(
-        "0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.002}, 'solids': [{'plane': "
-                                  "{'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 4}}], "
-                                  "'bodies': [{'rigid': {'box': {'minimum': [-0.3, -0.0005, "
-                                  "-0.0005], 'maximum': [0.3, 0.0005, 0.0005]}, 'rotate': [0, "
-                                  "20, 80], 'translate': [0, 0.4, 0], 'density': 7800}}]}");
+    pdyn_sim *sim = test_open(RIGID_SCENE(
+        "0.005", "[0, -9.81, 0]",
+        ", 'contact': {'thickness': 0.002}, 'solids': [{'plane': {'center': [0, 0, 0], 'normal': "
+        "[0, 1, 0], 'size': 4}}]",
+        "{'rigid': {'box': {'minimum': [-0.3, -0.0005, -0.0005], 'maximum': [0.3, 0.0005, "
+        "0.0005]}, 'rotate': [0, 20, 80], 'translate': [0, 0.4, 0], 'density': 7800}}"));
     double start = test_step(sim).potential_energy, highest = start;
     for (int n = 0; n < 200; n++) {
         pdyn_step_info info = test_step(sim);
@@ -277,13 +271,11 @@ static void write_floor(const char *name) {
 static void test_floor_of_triangles(void **state) {
     (void)state;
     write_floor("floor.obj");
-    pdyn_sim *sim = test_open(
-        "{" STEPS_OF("0.004", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0}, "
-                                               "'solids': [{'mesh': 'floor.obj'}], "
-                                               "'bodies': [{'velocity': [1, 0, 0.3], "
-                                               "'rigid': {'sphere': {'center': [-0.4, "
-                                               "0.1029, -0.1], 'radius': 0.1}, 'density': "
-                                               "1000}}]}");
+    pdyn_sim *sim = test_open(RIGID_SCENE(
+        "0.004", "[0, -9.81, 0]",
+        ", 'contact': {'thickness': 0.004, 'friction': 0}, 'solids': [{'mesh': 'floor.obj'}]",
+        "{'velocity': [1, 0, 0.3], 'rigid': {'sphere': {'center': [-0.4, 0.1029, -0.1], 'radius': "
+        "0.1}, 'density': 1000}}"));
     steps(sim, 20);
     double start[3], end[3], v[3];
     mean_of(sim, 0, sim->x, start);
@@ -302,14 +294,11 @@ static void test_floor_of_triangles(void **state) {
 static void test_spinning_ball_slides(void **state) {
     (void)state;
     pdyn_sim *sim = test_open(
-        "{" STEPS_OF("0.002", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.2, "
-                                               "'damping_ratio': 1}, "
-                                               "'solids': [{'plane': {'center': [0, 0, 0], "
-                                               "'normal': [0, 1, 0], 'size': 6}}], "
-                                               "'bodies': [{'velocity': [1, 0, 0], "
-                                               "'rigid': {'sphere': {'center': [0, 0.1035, 0], "
-                                               "'radius': 0.1}, 'mass': 4, "
-                                               "'angular_velocity': [0, 0, 10]}}]}");
+        RIGID_SCENE("0.002", "[0, -9.81, 0]",
+                    ", 'contact': {'thickness': 0.004, 'friction': 0.2, 'damping_ratio': 1}, "
+                    "'solids': [{'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 6}}]",
+                    "{'velocity': [1, 0, 0], 'rigid': {'sphere': {'center': [0, 0.1035, 0], "
+                    "'radius': 0.1}, 'mass': 4, 'angular_velocity': [0, 0, 10]}}"));
     double v[3];
     steps(sim, 50);
     mean_of(sim, 0, sim->v, v);
@@ -321,18 +310,14 @@ static void test_spinning_ball_slides(void **state) {
  * the floor stays, although the limit of an impulse takes some off the bumper's. */
 static void test_bumper(void **state) {
     (void)state;
-    pdyn_sim *sim = test_open("{" STEPS_OF(
-        "0.005",
-        "[0, -9.81, 0]") ", 'contact': {'thickness': 0.002, 'friction': 0}, "
-                         "'solids': [{'box': {'minimum': [-9, -1, -9], 'maximum': [9.3, 0, "
-                         "8]}}], 'bodies': ["
-                         "{'velocity': [2, 0, 0], 'rigid': {'box': {'minimum': [-0.4, 0.0018, "
-                         "-0.05], 'maximum': "
-                         "[-0.2, 0.1, 0.05]}, 'mass': 1}}, {'rigid': {'box': {'minimum': "
-                         "[-0.0215, 0.0018, -0.05], "
-                         "'maximum': [-0.002, 0.1, 0.05]}, 'mass': 0.05}}, {'rigid': {'box': "
-                         "{'minimum': [0, "
-                         "0.0018, -0.05], 'maximum': [0.2, 0.1, 0.05]}, 'mass': 1}}]}");
+    pdyn_sim *sim = test_open(RIGID_SCENE(
+        "0.005", "[0, -9.81, 0]",
+        ", 'contact': {'thickness': 0.002, 'friction': 0}, 'solids': [{'box': {'minimum': [-9, -1, "
+        "-9], 'maximum': [9.3, 0, 8]}}]",
+        "{'velocity': [2, 0, 0], 'rigid': {'box': {'minimum': [-0.4, 0.0018, -0.05], 'maximum': "
+        "[-0.2, 0.1, 0.05]}, 'mass': 1}}, {'rigid': {'box': {'minimum': [-0.0215, 0.0018, -0.05], "
+        "'maximum': [-0.002, 0.1, 0.05]}, 'mass': 0.05}}, {'rigid': {'box': {'minimum': [0, "
+        "0.0018, -0.05], 'maximum': [0.2, 0.1, 0.05]}, 'mass': 1}}"));
     pdyn_step_info info = {0};
     for (int n = 0; n < 80; n++) info = test_step(sim);
     assert_true(fabs(info.momentum[0] - 2.0) < 0.01);
@@ -343,13 +328,12 @@ static void test_bumper(void **state) {
  * m on four corners stops it. */
 static void test_turning_on_a_diagonal(void **state) {
     (void)state;
-    pdyn_sim *sim = test_open("{" STEPS_OF(
-        "0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.3}, "
-                                  "'solids': [{'box': {'minimum': [-2, -0.2, -2], 'maximum': "
-                                  "[2, 0, 2]}}], 'bodies': ["
-                                  "{'rigid': {'box': {'minimum': [-0.1, 0.0032, -0.1], "
-                                  "'maximum': [0.1, 0.0532, 0.1]}, "
-                                  "'density': 500, 'angular_velocity': [0, 20, 0]}}]}");
+    pdyn_sim *sim = test_open(
+        RIGID_SCENE("0.005", "[0, -9.81, 0]",
+                    ", 'contact': {'thickness': 0.004, 'friction': 0.3}, 'solids': [{'box': "
+                    "{'minimum': [-2, -0.2, -2], 'maximum': [2, 0, 2]}}]",
+                    "{'rigid': {'box': {'minimum': [-0.1, 0.0032, -0.1], 'maximum': [0.1, 0.0532, "
+                    "0.1]}, 'density': 500, 'angular_velocity': [0, 20, 0]}}"));
     double start[3], end[3], corner = sqrt(0.02);
     steps(sim, 10);
     vec3_cross(start, sim->x, sim->v);
@@ -370,16 +354,14 @@ static double lag_of(const pdyn_sim *sim) {
 /* What friction remembers turns with the table: the box does not creep. */
 static void test_turntable(void **state) {
     (void)state;
-    pdyn_sim *sim = test_open("{" STEPS_OF(
-        "0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.5}, "
-                                  "'solids': [{'box': {'minimum': [-1, -0.2, -1], 'maximum': "
-                                  "[1, 0, 1]}, 'motion': [{'time': "
-                                  "0}, {'time': 1000, 'rotate': [0, 343774.677, 0]}]}], "
-                                  "'bodies': [{'velocity': [0, 0, -0.6], "
-                                  "'rigid': {'box': {'minimum': [-0.05, 0.0036, -0.05], "
-                                  "'maximum': [0.05, 0.0536, 0.05]}, "
-                                  "'translate': [0.1, 0, 0], 'density': 500, "
-                                  "'angular_velocity': [0, 6, 0]}}]}");
+    pdyn_sim *sim = test_open(
+        RIGID_SCENE("0.005", "[0, -9.81, 0]",
+                    ", 'contact': {'thickness': 0.004, 'friction': 0.5}, 'solids': [{'box': "
+                    "{'minimum': [-1, -0.2, -1], 'maximum': [1, 0, 1]}, 'motion': [{'time': 0}, "
+                    "{'time': 1000, 'rotate': [0, 343774.677, 0]}]}]",
+                    "{'velocity': [0, 0, -0.6], 'rigid': {'box': {'minimum': [-0.05, 0.0036, "
+                    "-0.05], 'maximum': [0.05, 0.0536, 0.05]}, 'translate': [0.1, 0, 0], "
+                    "'density': 500, 'angular_velocity': [0, 6, 0]}}"));
     steps(sim, 200);
     double lag = lag_of(sim);
     steps(sim, 400);
@@ -390,14 +372,11 @@ static void test_turntable(void **state) {
 /* A box falls on a pinned plate: in the mean, the pins hold what gravity and the fall give. */
 static void test_pinned_plate(void **state) {
     (void)state;
-    pdyn_sim *sim = test_open("{" STEPS_OF(
-        "0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.003, 'friction': 0.3}, "
-                                  "'bodies': [{'rigid': {'box': {'minimum': [-0.06, 0.3, "
-                                  "-0.06], 'maximum': [0.06, 0.42, "
-                                  "0.06]}, 'mass': 2}}, {'rigid': {'box': {'minimum': [-0.3, "
-                                  "-0.04, -0.3], 'maximum': [0.3, "
-                                  "0, 0.3]}, 'mass': 1}, 'constraints': [{'type': 'pin', "
-                                  "'vertices': {'all': true}}]}]}");
+    pdyn_sim *sim = test_open(RIGID_SCENE(
+        "0.005", "[0, -9.81, 0]", ", 'contact': {'thickness': 0.003, 'friction': 0.3}",
+        "{'rigid': {'box': {'minimum': [-0.06, 0.3, -0.06], 'maximum': [0.06, 0.42, 0.06]}, "
+        "'mass': 2}}, {'rigid': {'box': {'minimum': [-0.3, -0.04, -0.3], 'maximum': [0.3, 0, "
+        "0.3]}, 'mass': 1}, 'constraints': [{'type': 'pin', 'vertices': {'all': true}}]}"));
     double impulse = 0.0, v[3];
     for (int n = 0; n < 200; n++) {
         pdyn_step_info info = test_step(sim);
