@@ -58,7 +58,7 @@ static void run(pdyn_context *context, FILE *csv, double spacing, int vertices, 
            worst = 0.0;
     int steps = 0;
     while (pdyn_time(sim) < seconds) {
-        pdyn_step_info info = take_step(context, sim);
+        pdyn_step_info info = take_step(sim);
         peak = fmax(peak, info.kinetic_energy), kinetic = info.kinetic_energy;
         reaction = fabs(info.pin_reaction[1]) / weight;
         if (info.frame)

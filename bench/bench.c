@@ -39,9 +39,9 @@ pdyn_sim *load_text(pdyn_context *context, const char *format, ...) {
     return sim;
 }
 
-pdyn_step_info take_step(pdyn_context *context, pdyn_sim *sim) {
+pdyn_step_info take_step(pdyn_sim *sim) {
     pdyn_step_info info;
-    if (pdyn_step(sim, &info) != PDYN_OK) die("%s", pdyn_last_error(context));
+    if (pdyn_step(sim, &info) != PDYN_OK) die("%s", pdyn_last_error(NULL));
     return info;
 }
 

@@ -18,7 +18,7 @@ pdyn_context *make_context(int threads);
 pdyn_sim *load_text(pdyn_context *context, const char *format, ...) PDYN_PRINTF(2, 3);
 
 /* Takes a step. */
-pdyn_step_info take_step(pdyn_context *context, pdyn_sim *sim);
+pdyn_step_info take_step(pdyn_sim *sim);
 
 struct momenta {
     double linear[3], angular[3]; /* kg m/s, kg m^2/s about the origin */

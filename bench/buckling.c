@@ -32,7 +32,7 @@ static double lean(pdyn_context *context, const char *directory, double gamma, i
                           .gravity = {-g, -1e-4 * g, 0.0},
                           .tolerance = 1e-8};
     pdyn_sim *sim = strip_load(context, directory, &strip);
-    strip_settle(context, sim, &strip, 1e-5);
+    strip_settle(sim, &strip, 1e-5);
     strip_row(sim, &strip, segments, tip);
     pdyn_free(sim);
     return -tip[1];

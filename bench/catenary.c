@@ -62,7 +62,7 @@ void catenary(pdyn_context *context, const char *directory, int count, char **se
             .gravity = {0.0, -g, 0.0},
             .tolerance = 1e-7};
         pdyn_sim *sim = strip_load(context, directory, &strip);
-        strip_settle(context, sim, &strip, 1e-5);
+        strip_settle(sim, &strip, 1e-5);
         strip_row(sim, &strip, strip.along / 2, low);
         double sag = (cosh(u) - 1.0) / (2.0 * u), most = cosh(u) / (2.0 * u);
         double found = tension(sim, &strip) / (area_density * g * distance);

@@ -38,7 +38,7 @@ static void swing(pdyn_context *context, const char *directory, const struct str
     pdyn_sim *sim = strip_load(context, directory, strip);
     double before = amplitude(sim, strip), largest = 0.0;
     for (int k = 0; k < SWINGS;) {
-        pdyn_step_info info = take_step(context, sim);
+        pdyn_step_info info = take_step(sim);
         double now = amplitude(sim, strip);
         if (now * before < 0.0) {
             double time = info.time - info.h * now / (now - before);

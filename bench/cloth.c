@@ -177,13 +177,12 @@ static void note(void *user, const pdyn_iteration *it) {
     t->paused += clock_cpu_ms() - now;
 }
 
-static void trace_step(pdyn_context *context, pdyn_sim *sim, const pdyn_sim *state,
-                       struct trace *t) {
+static void trace_step(pdyn_sim *sim, const pdyn_sim *state, struct trace *t) {
     copy_state(state, sim);
     t->points = t->linear = 0, t->paused = 0.0;
     pdyn_observe(sim, note, t);
     t->begin = clock_cpu_ms();
-    take_step(context, sim);
+    take_step(sim);
 }
 
 /* The first point with an error of at most `error`, or the last point. */
@@ -240,9 +239,9 @@ static void one_step(pdyn_context *context, int n, double stiffness, int repeat)
     newton = solvers[0];
     struct trace t = {.size = 3 * newton->objective.particles};
     double *best = allocate((size_t)t.size, sizeof *best);
-    for (int k = 0; k < FALL; k++) take_step(context, state);
+    for (int k = 0; k < FALL; k++) take_step(state);
     copy_state(state, newton);
-    take_step(context, newton);
+    take_step(newton);
     memcpy(best, newton->x, objective_bytes(&newton->objective));
     t.best = best, t.start = distance(newton->objective.s, best, t.size);
     for (int q = 0; q < 2; q++) {
@@ -258,10 +257,10 @@ static void one_step(pdyn_context *context, int n, double stiffness, int repeat)
             keep(&row[q], q ? "plain_simplicial" : "plain", &p);
         }
         for (int q = 0; q < 6; q++) {
-            if (q % 3 == 0) trace_step(context, solvers[q / 3], state, &t);
+            if (q % 3 == 0) trace_step(solvers[q / 3], state, &t);
             keep(&row[2 + q], newton_method[q / 3][q % 3], reached(&t, pow(0.1, q % 3 + 1)));
         }
-        trace_step(context, classic, state, &t);
+        trace_step(classic, state, &t);
         for (int m = 0; k && m < 3; m++) { /* the first one factored; after 10, 20, 40 iterations */
             int at = ITERATIONS << m;
             keep(&row[8 + m], "projective", &t.point[at < t.points ? at : t.points - 1]);
@@ -288,8 +287,8 @@ static void run(pdyn_context *context, int n, double stiffness, int outer, int l
     int steps = 60, size = 3 * sim->objective.particles;
     for (int k = 0; k < steps; k++) {
         copy_state(sim, best);
-        take_step(context, best);
-        const pdyn_step_info info = take_step(context, sim);
+        take_step(best);
+        const pdyn_step_info info = take_step(sim);
         double error = distance(sim->x, best->x, size) / distance(sim->objective.s, best->x, size);
         sum += error, worst = fmax(worst, error), solves += info.linear_iterations;
         most = fmax(most, info.linear_iterations);

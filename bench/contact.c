@@ -53,7 +53,7 @@ int main(int argc, char **argv) {
     double *half = malloc(bytes);
     if (!half) die("out of memory");
     while (!pdyn_is_finished(sim)) {
-        const pdyn_step_info info = take_step(context, sim);
+        const pdyn_step_info info = take_step(sim);
         add(&t, sim, &info);
         if (pdyn_time(sim) < 0.5 * pdyn_duration(sim) + 1e-9) memcpy(half, sim->x, bytes);
         t.contacts += contact_current(sim->objective.contact)->count;

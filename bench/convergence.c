@@ -147,7 +147,7 @@ int main(int argc, char **argv) {
     struct input input = {argv[1], argv + 4, argc > 4 ? argc - 4 : 0};
     pdyn_context *context = make_context(1);
     pdyn_sim *state = load(context, &input, 0, NULL);
-    while (pdyn_time(state) < warm * (1.0 - 1e-9)) take_step(context, state);
+    while (pdyn_time(state) < warm * (1.0 - 1e-9)) take_step(state);
     double h = 0.0;
     struct trace best = solve(context, &input, state, "newton", 300, "1e-6", &h);
     struct trace newton = solve(context, &input, state, "newton", 40, "0.1", &h);

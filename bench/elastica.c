@@ -87,7 +87,7 @@ static struct tip measure(pdyn_context *context, const char *directory, double g
              "{\"minimum\": [-1, -1, -1], \"maximum\": [%.17g, 1, 1]}}}",
              irregular ? "triangle" : "spring", stiffness, rigidity, 0.6 * strip.segment);
     pdyn_sim *sim = strip_load(context, directory, &strip);
-    strip_settle(context, sim, &strip, 1e-4);
+    strip_settle(sim, &strip, 1e-4);
     strip_row(sim, &strip, segments, mean);
     pdyn_free(sim);
     return (struct tip){-mean[1], mean[0]};

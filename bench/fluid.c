@@ -75,7 +75,7 @@ static void run(int cells, int threads, const struct setting *s, double seconds)
     pdyn_step_info info = {0};
     struct totals t = {0};
     while (pdyn_time(sim) < pdyn_duration(sim) - 1e-12) {
-        info = take_step(context, sim);
+        info = take_step(sim);
         add(&t, &info);
     }
     double ms = (t.ms[0] + t.ms[1] + t.ms[2]) / t.steps, n = pdyn_get_state(sim).particles;

@@ -124,7 +124,7 @@ static void compress(const struct job *job) {
     printf("| plates apart, R | V / V0 | force, N | p, Pa | p V^gamma | p by the plates, Pa | "
            "p V^gamma |\n|---|---|---|---|---|---|---|\n");
     for (int row = 0; row <= rows;) {
-        double time = take_step(job->context, sim).time;
+        double time = take_step(sim).time;
         squeeze(sim, 2.0 * (radius + 0.003) - 1.2 * radius * time / seconds, &now);
         if (time < row * seconds / rows - 1e-9) continue;
         if (row++ > 1) { /* the first contact has no share */
@@ -157,7 +157,7 @@ static void tension_one(const struct job *job, int cells, double pressure) {
     double area = body_area(sim, 0), volume = body_volume(sim, 0);
     int steps = 0, iterations = 0;
     while (pdyn_time(sim) < 2.0) {
-        pdyn_step_info info = take_step(job->context, sim);
+        pdyn_step_info info = take_step(sim);
         steps++, iterations += info.outer_iterations;
     }
     double stretch = sqrt(body_area(sim, 0) / area), v = body_volume(sim, 0);
@@ -235,7 +235,7 @@ static void float_one(const struct job *job, double seconds, double d, double ma
     ends_find(&ends, sim, 1);
     real = body_weight(sim, 1) / g;
     while (pdyn_time(sim) < seconds) {
-        pdyn_step_info info = take_step(job->context, sim);
+        pdyn_step_info info = take_step(sim);
         double level = surface_height(sim, &frame);
         body_ends(sim, &ends, low, high);
         if (info.time < 0.6 * seconds) continue;
@@ -299,7 +299,7 @@ static double cost_one(const struct job *job, int cells, bool gas, const char *e
     *outer = *linear = 0;
     for (int k = 0; k < WARM + STEPS; k++) {
         if (k == WARM) start = seconds_now();
-        pdyn_step_info info = take_step(job->context, sim);
+        pdyn_step_info info = take_step(sim);
         if (k >= WARM) *outer += info.outer_iterations, *linear += info.linear_iterations;
     }
     double time = (seconds_now() - start) / STEPS;

@@ -91,7 +91,7 @@ static double run(pdyn_context *context, const char *directory, FILE *csv, const
             at[k] = before + (x - before) * (experiment[k][0] - time) / (now - time);
         fprintf(csv, "%g,%g,%g,%g,%g,%s\n", t->d, t->modulus, t->h, now, x, t->integrator);
         most = fmax(most, x), before = x, time = now;
-        take_step(context, sim);
+        take_step(sim);
     }
     pdyn_free(sim);
     return most;

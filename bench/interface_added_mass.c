@@ -76,13 +76,12 @@ static pdyn_sim *load_moved(const struct job *job, struct moved *m, double conta
 
 /* Moves the sheet; fits the force minus weight and inertia by 1, velocity and acceleration,
  * weighted by the steps. Returns the RMS error of the fit, N. */
-static double fit(const struct job *job, FILE *csv, const struct moved *m, pdyn_sim *sim,
-                  double c[TERMS]) {
+static double fit(FILE *csv, const struct moved *m, pdyn_sim *sim, double c[TERMS]) {
     double mass = body_weight(sim, 1) / g, duration = 0.0, squares = 0.0;
     struct regression r = {.terms = FITTED};
     while (pdyn_time(sim) < rest + PERIODS * period) {
         double y[3];
-        pdyn_step_info info = take_step(job->context, sim);
+        pdyn_step_info info = take_step(sim);
         motion(info.time, y);
         double f = info.pin_reaction[1] - mass * (g + y[2]);
         fprintf(csv, "%s,%g,%.6g,%.6g,%.6g,%.6g,%.6g,%.4g\n", m->disc ? "disc" : "strip",
@@ -99,7 +98,7 @@ static double fit(const struct job *job, FILE *csv, const struct moved *m, pdyn_
 
 static void run(const struct job *job, FILE *csv, struct moved *m, double contact) {
     pdyn_sim *sim = load_moved(job, m, contact);
-    double c[TERMS], scatter = fit(job, csv, m, sim, c);
+    double c[TERMS], scatter = fit(csv, m, sim, c);
     double exact = m->disc ? 8.0 / 3.0 * density * a * a * a : exact_strip;
     double found = m->disc ? c[2] : c[2] / (SLICE * m->d);
     printf("| %s | %g | %d | %.3f %s | %.3f | %+.1f %% | %.1f | %.2f |\n",

@@ -104,7 +104,7 @@ static void run(const struct job *job, FILE *csv, struct bag *b, double seconds)
     struct found found = {0};
     while (pdyn_time(sim) < seconds) {
         struct found now = {0};
-        pdyn_step_info info = take_step(job->context, sim);
+        pdyn_step_info info = take_step(sim);
         add_state(&now, b, sim, 1.0);
         fprintf(csv, "%g,%g,%.6g,%.6g,%.6g,%.6g,%.6g,%.4g\n", b->radius / b->d, b->fill, info.time,
                 now.water.sum, now.stretch.sum, now.inside.sum, now.laplace.sum,

@@ -84,7 +84,7 @@ static void run(const struct job *job, FILE *csv, const struct pinned *p, double
     struct sample thickness = {0};
     int unsolved = 0, steps = 0;
     while (pdyn_time(sim) < seconds) {
-        pdyn_step_info info = take_step(job->context, sim);
+        pdyn_step_info info = take_step(sim);
         double value = (weight - info.pin_reaction[1]) / (density * g * area * p->d);
         fprintf(csv, "%s,%g,%g,%.6g,%.6g,%.4g\n", names[p->shape], 1e3 * p->d, p->edge / p->d,
                 info.time, value, info.step_residual);

@@ -71,7 +71,7 @@ static void run(const struct job *job, FILE *csv, struct drop *p, double seconds
                                 .low = (DEPTH - 3) * p->d};
     double unsolved = 0.0, steps = 0.0, ms = 0.0;
     for (int row = 1; row <= ROWS;) {
-        pdyn_step_info info = take_step(job->context, sim);
+        pdyn_step_info info = take_step(sim);
         body_middle(sim, 1, x);
         double above = (x[1] - surface_height(sim, &frame)) / p->d;
         fprintf(csv, "%g,%g,%.6g,%.6g,%.4g\n", p->area_density, p->permeability, info.time, above,

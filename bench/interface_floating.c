@@ -134,7 +134,7 @@ static void run(const struct job *job, FILE *csv, const struct floater *f, doubl
     ends_find(&ends, sim, 1);
     heave.steps = 0;
     while (pdyn_time(sim) < seconds && heave.steps < STEPS) {
-        pdyn_step_info info = take_step(job->context, sim);
+        pdyn_step_info info = take_step(sim);
         double level = surface_height(sim, &frame), under = body_submerged(sim, 1, level);
         body_ends(sim, &ends, low, high);
         fprintf(csv, "%s,%g,%.6g,%.6g,%.6g,%.6g,%.4g\n", names[f->shape], f->density, info.time,

@@ -55,7 +55,7 @@ static pdyn_sim *load_free(const struct job *job, const struct free_sheet *f, do
     lattice_write(job_file(job, "free.ply", water), f->d, f->cells, keep, f);
     if (strcmp(f->start, "settled")) return load(job, f, contact, plain, "");
     pdyn_sim *sim = load(job, f, contact, calming, ", {'type': 'pin', 'vertices': {'all': true}}");
-    while (pdyn_time(sim) < rest) take_step(job->context, sim);
+    while (pdyn_time(sim) < rest) take_step(sim);
     const pdyn_body_info body = pdyn_get_body(sim, 0);
     particles_write(job_file(job, "free.ply", water), body.count,
                     pdyn_get_state(sim).x + 3 * body.first);
@@ -70,7 +70,7 @@ static void run(const struct job *job, FILE *csv, const struct free_sheet *f, do
     double first[3], now[3], drift = 0.0;
     body_middle(sim, 1, first);
     while (pdyn_time(sim) < seconds) {
-        pdyn_step_info info = take_step(job->context, sim);
+        pdyn_step_info info = take_step(sim);
         body_middle(sim, 1, now);
         drift = (now[1] - first[1]) / f->d;
         farthest = fabs(drift) > fabs(farthest) ? drift : farthest;

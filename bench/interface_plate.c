@@ -71,7 +71,7 @@ static void run(const struct job *job, FILE *csv, struct plate *p, double second
     double ms = 0.0;
     struct sample down = {0}, pins = {0};
     while (pdyn_time(sim) < seconds) {
-        pdyn_step_info info = take_step(job->context, sim);
+        pdyn_step_info info = take_step(sim);
         fprintf(csv, "%g,%.6g,%.6g,%.6g,%.4g\n", 1e3 * p->d, info.time, sunk(sim),
                 info.pin_reaction[1] / weight, info.step_residual);
         steps++, unsolved += info.step_residual > job->tolerance, ms += info.ms_cpu;

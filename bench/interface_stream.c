@@ -65,7 +65,7 @@ static double run(const struct job *job, FILE *csv, struct tow *w, double contac
     const char *how = w->broadside ? "broadside" : "edge-on";
     struct sample force = {0};
     while (pdyn_time(sim) < end - 1e-9) {
-        pdyn_step_info info = take_step(job->context, sim);
+        pdyn_step_info info = take_step(sim);
         fprintf(csv, "%s,%g,%.6g,%.6g,%.4g\n", how, w->speed, info.time - settling,
                 info.pin_reaction[0], info.step_residual);
         steps++, unsolved += info.step_residual > job->tolerance, ms += info.ms_cpu;

@@ -168,7 +168,7 @@ static void run(const struct job *job, struct rest *r, double seconds) {
     r->layer = zeros(r->layers, sizeof *r->layer);
     r->inside = zeros(r->layers, sizeof *r->inside), r->all = zeros(r->layers, sizeof *r->all);
     while (pdyn_time(sim) < seconds) {
-        pdyn_step_info info = take_step(job->context, sim);
+        pdyn_step_info info = take_step(sim);
         steps++, ms += info.ms_cpu;
         if (info.time < 0.6 * seconds) continue;
         add_state(r, &state);

@@ -125,7 +125,7 @@ static int wrong_side(struct watch *watch) {
 }
 
 /* Runs the case, checks after every step and prints a row of the table. */
-static void look(pdyn_context *context, pdyn_sim *sim, FILE *csv, const struct run *run, bool odd) {
+static void look(pdyn_sim *sim, FILE *csv, const struct run *run, bool odd) {
     static struct watch watch;
     const pdyn_body_info water = pdyn_get_body(sim, 0), sheet = pdyn_get_body(sim, 1);
     watch.sim = sim, watch.odd = odd;
@@ -136,7 +136,7 @@ static void look(pdyn_context *context, pdyn_sim *sim, FILE *csv, const struct r
     double worst = 0.0, contact = 0.0;
     clock_t start = clock();
     for (; pdyn_time(sim) < run->seconds - 1e-9; steps++) {
-        pdyn_step_info info = take_step(context, sim);
+        pdyn_step_info info = take_step(sim);
         worst = fmax(worst, info.step_residual), contact += info.ms_contact;
         wrong += wrong_side(&watch);
     }
@@ -162,8 +162,7 @@ static void look(pdyn_context *context, pdyn_sim *sim, FILE *csv, const struct r
 static void impact(pdyn_context *context, FILE *csv, const struct run *run) {
     int n = run->across;
     double half = 0.15, d = 2.0 * half / n;
-    look(context,
-         load_text(
+    look(load_text(
              context,
              "{'duration': 1000, " SOLVER ", 'bodies': [{'name': 'water', 'velocity': [0, %g, "
              "0], 'particles': {'radius': %.17g, 'fill': [{'box': {'minimum': [%g, 0.02, %g], "
@@ -230,8 +229,7 @@ static void bag(pdyn_context *context, const char *directory, FILE *csv, const s
                          : k % 4 == 3 ? -0.1
                                       : 0.0,
                          k % 2 ? 0.05 : 0.0);
-    look(context,
-         load_text(
+    look(load_text(
              context,
              "{'duration': 1000, " SOLVER ", 'bodies': [{'name': 'water', 'particles': {'radius': "
              "%.17g, 'fill': [{'sphere': {'center': [0, 0, 0], 'radius': %.17g}}]}, "

@@ -198,7 +198,7 @@ static void run(pdyn_context *context, const char *directory, FILE *csv, double 
     pdyn_sim *sim = load_slice(context, directory, &slice, area);
     double peak = 0.0, kinetic = 0.0, start = deviation(sim, &slice, exact, NULL), middle[2];
     while (pdyn_time(sim) < seconds) {
-        kinetic = take_step(context, sim).kinetic_energy;
+        kinetic = take_step(sim).kinetic_energy;
         peak = fmax(peak, kinetic);
     }
     row_at(sim, &slice, slice.along / 2, middle);

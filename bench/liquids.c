@@ -87,7 +87,7 @@ static void measure_layers(pdyn_context *context, int width, int lower, int uppe
     const pdyn_state state = pdyn_get_state(sim);
     long steps = 0;
     for (; pdyn_time(sim) < seconds; steps++) {
-        pdyn_step_info info = take_step(context, sim);
+        pdyn_step_info info = take_step(sim);
         ms += info.ms_cpu;
         if (info.time < 0.6 * seconds) continue;
         add_state(&state, W, layer), states++;
@@ -199,7 +199,7 @@ static void measure_wave(pdyn_context *context, const struct wave *w, const char
     FILE *csv = open_csv(directory, name);
     fprintf(csv, "time_s,amplitude_m,bubble_m\n");
     while (pdyn_time(sim) < seconds) {
-        double time = take_step(context, sim).time, a = amplitude_of(w, sim), y = bubble_of(sim);
+        double time = take_step(sim).time, a = amplitude_of(w, sim), y = bubble_of(sim);
         fprintf(csv, "%.6g,%.6g,%.6g\n", time, a, y - level);
         for (int m = 0; m < 2; m++) {
             if (!(grown[m] > 0.0) && k * a > 0.4 + 0.4 * m) grown[m] = time;
@@ -247,7 +247,7 @@ static void momentum(pdyn_context *context, int count, char **argument) {
                                   "water", water, 0.5 * d, left, "'sound_speed': 40", "drop",
                                   density, 0.5 * d, right, "'sound_speed': 40");
         struct momenta begin = momenta_of(sim), end;
-        for (int n = 0; n < atoi(argument[0]); n++) take_step(context, sim);
+        for (int n = 0; n < atoi(argument[0]); n++) take_step(sim);
         end = momenta_of(sim);
         printf("| %g | %.1e | %.1e |\n", water / density,
                vec3_distance(end.linear, begin.linear) / begin.size,

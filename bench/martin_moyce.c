@@ -89,7 +89,7 @@ static struct curve collapse(pdyn_context *context, const char *directory, const
         Z = front(&state, d, scratch) / base;
         add_point(&curve, pdyn_time(sim) / unit, Z);
         fprintf(csv, "%.6g,%.6g\n", pdyn_time(sim) / unit, Z);
-        take_step(context, sim);
+        take_step(sim);
     }
     free(scratch);
     pdyn_free(sim);

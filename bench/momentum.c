@@ -38,7 +38,7 @@ static void linear(pdyn_context *context, FILE *csv, int steps) {
         pdyn_sim *sim = load_text(context, scene, 0.004, runs[k].solver, runs[k].stiffness, 0.02);
         struct momenta begin = momenta_of(sim);
         double residual = 0.0;
-        for (int n = 0; n < steps; n++) residual += log(take_step(context, sim).step_residual);
+        for (int n = 0; n < steps; n++) residual += log(take_step(sim).step_residual);
         struct momenta end = momenta_of(sim);
         double drift = vec3_distance(end.linear, begin.linear) / begin.size;
         residual = exp(residual / steps);
@@ -53,7 +53,7 @@ static double angular_drift(pdyn_context *context, double h, double viscosity, d
     pdyn_sim *sim = load_text(context, scene, h, "'outer_iterations': 40, 'tolerance': 1e-3", 1e5,
                               viscosity * h / 0.004);
     struct momenta begin = momenta_of(sim);
-    while (pdyn_time(sim) < seconds - 0.5 * h) take_step(context, sim);
+    while (pdyn_time(sim) < seconds - 0.5 * h) take_step(sim);
     struct momenta end = momenta_of(sim);
     pdyn_free(sim);
     return vec3_distance(end.angular, begin.angular) / begin.moment;

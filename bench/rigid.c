@@ -101,7 +101,7 @@ static void flight(int steps) {
         struct motion start = motion_of(sim);
         struct flips flips = {.last = 1.0}, theory = flips_of_reference(w, steps * h);
         for (int n = 0; n < steps; n++) {
-            take_step(context, sim);
+            take_step(sim);
             const double *x = pdyn_get_state(sim).x; /* vertex 2 is beyond vertex 0 along y */
             add_flip(&flips, x[7] - x[1], pdyn_time(sim), h);
         }
@@ -136,11 +136,11 @@ static pdyn_sim *load_slope(double degrees, double friction, double h) {
 static double slide(double degrees, double friction, double h, double *way) {
     pdyn_sim *sim = load_slope(degrees, friction, h);
     double x[3], v[2][3];
-    while (pdyn_time(sim) < 1.0 - 0.5 * h) take_step(context, sim);
+    while (pdyn_time(sim) < 1.0 - 0.5 * h) take_step(sim);
     middle_of(sim, 0, pdyn_get_state(sim).x, x);
     middle_of(sim, 0, pdyn_get_state(sim).v, v[0]);
     *way = -x[0];
-    while (pdyn_time(sim) < 2.0 - 0.5 * h) take_step(context, sim);
+    while (pdyn_time(sim) < 2.0 - 0.5 * h) take_step(sim);
     middle_of(sim, 0, pdyn_get_state(sim).x, x);
     middle_of(sim, 0, pdyn_get_state(sim).v, v[1]);
     *way += x[0];
@@ -191,7 +191,7 @@ static void stack(double seconds) {
     middle_of(sim, BOXES - 1, pdyn_get_state(sim).x, start);
     for (double next = 0.1; next < seconds + 0.01; next += next < 0.9 ? 0.9 : 1.0) {
         while (pdyn_time(sim) < next - 0.5 * h) {
-            pdyn_step_info info = take_step(context, sim);
+            pdyn_step_info info = take_step(sim);
             outer += info.outer_iterations, linear += info.linear_iterations, steps++;
             ms += info.ms_local + info.ms_global + info.ms_contact;
         }
@@ -236,7 +236,7 @@ static void floating(double seconds) {
         long steps = 0;
         double mean = 0.0, count = 0.0, list = 0.0;
         while (pdyn_time(sim) < seconds - 0.5 * h) {
-            pdyn_step_info info = take_step(context, sim);
+            pdyn_step_info info = take_step(sim);
             outer += info.outer_iterations, linear += info.linear_iterations, steps++;
             const double *at = pdyn_get_state(sim).x;
             double up = (at[7] - at[1]) / height; /* vertex 2 is over vertex 0 */
@@ -290,7 +290,7 @@ static struct cost cost_of(const char *more, double seconds) {
         more);
     struct cost cost = {.particles = 0};
     for (; pdyn_time(sim) < seconds; cost.steps++) {
-        pdyn_step_info info = take_step(context, sim);
+        pdyn_step_info info = take_step(sim);
         cost.ms += info.ms_cpu, cost.outer += info.outer_iterations;
         cost.linear += info.linear_iterations, cost.unsolved += info.step_residual > 0.1;
         cost.particles = info.particles;

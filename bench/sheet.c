@@ -33,7 +33,7 @@ static double lowest(pdyn_context *context, const char *directory, int vertices,
                           .tolerance = 1e-5,
                           .solver = "auto"};
     pdyn_sim *sim = strip_load(context, directory, &strip);
-    strip_settle(context, sim, &strip, still / strip.segment);
+    strip_settle(sim, &strip, still / strip.segment);
     const pdyn_state state = pdyn_get_state(sim);
     double low = 0.0;
     for (int i = 0; i < state.particles; i++) low = fmin(low, state.x[3 * i + 1]);

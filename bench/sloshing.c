@@ -49,7 +49,7 @@ static struct swings swing(pdyn_context *context, const char *directory,
     FILE *csv = open_csv(directory, name);
     fprintf(csv, "time_s,centre_m\n");
     while (swings.count < SWINGS && pdyn_time(sim) < water->duration) {
-        pdyn_step_info info = take_step(context, sim);
+        pdyn_step_info info = take_step(sim);
         double x = centre(&state);
         fprintf(csv, "%.6g,%.6g\n", info.time, x);
         if (x * before < 0.0) {

@@ -37,7 +37,7 @@ static void stretch_one(pdyn_context *context, const char *directory, int segmen
                           .tolerance = 1e-6};
     pdyn_sim *sim = strip_load(context, directory, &strip);
     double before = width(sim, &strip);
-    strip_settle(context, sim, &strip, 1e-6);
+    strip_settle(sim, &strip, 1e-6);
     strip_row(sim, &strip, segments, end);
     double modulus = 0.5 * area_density * g * length * length / (end[0] - length);
     double ratio = (1.0 - width(sim, &strip) / before) / (middle * stiffness / modulus);

@@ -65,12 +65,12 @@ pdyn_sim *strip_load(pdyn_context *context, const char *directory, const struct 
 }
 
 /* A swinging strip is momentarily at rest at its turning points: rest has to last some steps. */
-void strip_settle(pdyn_context *context, pdyn_sim *sim, const struct strip *s, double still) {
+void strip_settle(pdyn_sim *sim, const struct strip *s, double still) {
     const pdyn_state state = pdyn_get_state(sim);
     for (int n = 0, quiet = 0; quiet < 5; n++) {
         if (n == 20000) die("%s does not come to rest", s->name);
         double fastest = 0.0;
-        take_step(context, sim);
+        take_step(sim);
         for (int k = 0; k < 3 * state.particles; k++) fastest = fmax(fastest, fabs(state.v[k]));
         quiet = fastest * s->h > still * s->segment ? 0 : quiet + 1;
     }

@@ -37,7 +37,7 @@ double strip_length(const struct strip *strip, int segments);
 int strip_vertex(const struct strip *strip, int i, int j);
 
 /* Takes steps until no vertex moves by more than `still` segments in a step. */
-void strip_settle(pdyn_context *context, pdyn_sim *sim, const struct strip *strip, double still);
+void strip_settle(pdyn_sim *sim, const struct strip *strip, double still);
 
 /* Mean position of a row, m. */
 void strip_row(const pdyn_sim *sim, const struct strip *strip, int i, double mean[3]);

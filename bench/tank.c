@@ -66,7 +66,7 @@ static void settle(struct rest *r, pdyn_context *context, const char *directory)
     FILE *csv = open_csv(directory, name);
     fprintf(csv, "time_s,kinetic_J,surface_m,density_error_mean,outer,linear,residual\n");
     while (pdyn_time(sim) < r->water.duration) {
-        pdyn_step_info info = take_step(context, sim);
+        pdyn_step_info info = take_step(sim);
         r->surface = surface_height(r, &state);
         fprintf(csv, "%.6g,%.6g,%.9g,%.6g,%d,%d,%.4g\n", info.time, info.kinetic_energy, r->surface,
                 info.density_error_mean, info.outer_iterations, info.linear_iterations,

@@ -57,8 +57,8 @@ static double rest_radius(const pdyn_sim *sim) {
     return d * cbrt(3.0 * pdyn_get_body(sim, 0).count / (4.0 * pi));
 }
 
-static void settle(pdyn_context *context, pdyn_sim *sim, double time) {
-    while (pdyn_time(sim) < time) take_step(context, sim);
+static void settle(pdyn_sim *sim, double time) {
+    while (pdyn_time(sim) < time) take_step(sim);
 }
 
 /* ---- Laplace: 2 tension / R ------------------------------------------------------------------ */
@@ -84,10 +84,9 @@ static void laplace(pdyn_context *context, double cells, double tension) {
     double time = sqrt(density * pow(0.5 * cells * d, 3) / tension), sum = 0.0;
     struct drop drop = {fill, tension, time / 100.0, 0.2, 90.0, ""};
     pdyn_sim *sim = load(context, &drop);
-    settle(context, sim, 2.0 * time);
+    settle(sim, 2.0 * time);
     int steps = 0;
-    for (; pdyn_time(sim) < 4.0 * time; steps++)
-        take_step(context, sim), sum += inner_pressure(sim);
+    for (; pdyn_time(sim) < 4.0 * time; steps++) take_step(sim), sum += inner_pressure(sim);
     double expected = 2.0 * tension / rest_radius(sim), found = sum / steps;
     printf("| %.1f | %g | %.2f | %.2f | %+.0f %% | %+.1f %% |\n", rest_radius(sim) / d, tension,
            expected, found, 100.0 * (found / expected - 1.0),
@@ -136,7 +135,7 @@ static void period(pdyn_context *context, double cells, double tension) {
     pdyn_sim *sim = load(context, &drop);
     expected = 2.0 * pi * sqrt(density * pow(rest_radius(sim), 3) / (8.0 * tension));
     while (crossings < 3 && pdyn_time(sim) < 3.0 * expected) {
-        take_step(context, sim);
+        take_step(sim);
         struct shape s = shape_of(sim);
         double now = s.moments[0] - 0.5 * (s.moments[1] + s.moments[2]), time = pdyn_time(sim);
         if ((now > 0.0) != (before > 0.0))
@@ -186,7 +185,7 @@ static void cube(pdyn_context *context, double cells) {
     struct drop drop = {fill, tension, time / 100.0, 0.4, 90.0, ""};
     pdyn_sim *sim = load(context, &drop);
     int steps = 0;
-    for (; pdyn_time(sim) < 12.0 * time; steps++) ms += take_step(context, sim).ms_cpu;
+    for (; pdyn_time(sim) < 12.0 * time; steps++) ms += take_step(sim).ms_cpu;
     struct shape s = shape_of(sim);
     double area = 4.0 * pi * pow(rest_radius(sim), 2);
     widths(sim, &least, &greatest);
@@ -242,7 +241,7 @@ static void contact_angle(pdyn_context *context, double angle, double cells) {
     pdyn_sim *sim = load(context, &drop);
     printf("| %g | %d |", angle, pdyn_get_body(sim, 0).count);
     for (double units = 10.0; units <= 40.0; units *= 2.0) {
-        settle(context, sim, units * time);
+        settle(sim, units * time);
         printf(" %.0f |", angle_of_drop(sim, 2.0 * h));
         fflush(stdout);
     }

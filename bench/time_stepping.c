@@ -38,7 +38,7 @@ struct request {
     const char *set[SETS];
 };
 
-static void follow(pdyn_context *context, pdyn_sim *sim, int frames, struct course *c) {
+static void follow(pdyn_sim *sim, int frames, struct course *c) {
     const pdyn_state state = pdyn_get_state(sim);
     double first = NAN, kinetic = 0.0, begun = now_ms(), energy = 0.0;
     int steps = 0;
@@ -46,7 +46,7 @@ static void follow(pdyn_context *context, pdyn_sim *sim, int frames, struct cour
     c->x = malloc((size_t)frames * c->size * sizeof *c->x);
     if (!c->x) die("no memory");
     for (int frame = 0; frame < frames; steps++) {
-        pdyn_step_info info = take_step(context, sim);
+        pdyn_step_info info = take_step(sim);
         energy = info.kinetic_energy + info.potential_energy + info.constraint_energy;
         if (steps == 0) first = energy;
         kinetic = fmax(kinetic, info.kinetic_energy);
@@ -68,7 +68,7 @@ static struct course run(const struct request *r, const char *integrator, double
     for (int k = 0; k < r->sets; k++) set[4 + k] = r->set[k];
     if (pdyn_load(context, r->scene, set, 4 + r->sets, &sim) != PDYN_OK)
         die("%s", pdyn_last_error(context));
-    follow(context, sim, r->frames, &c);
+    follow(sim, r->frames, &c);
     pdyn_free(sim);
     pdyn_destroy(context);
     return c;
@@ -125,7 +125,7 @@ static double decay(const char *integrator, double ms) {
     const pdyn_state s = pdyn_get_state(sim);
     double before = 0.0, farthest = 0.0, first = 0.0, last = 0.0, begin = 0.0, end = 0.0;
     for (int swings = 0; swings < SWINGS;) {
-        pdyn_step_info info = take_step(context, sim);
+        pdyn_step_info info = take_step(sim);
         double x = -0.5;
         for (int i = 0; i < s.particles; i++) x += s.x[3 * i] / s.particles;
         if (x * before < 0.0) {

@@ -82,8 +82,8 @@ static pdyn_sim *load_scene(pdyn_context *context, pdyn_scene *scene) {
     return sim;
 }
 
-static void take_steps(pdyn_context *context, pdyn_sim *sim, int steps) {
-    for (int k = 0; k < steps; k++) take_step(context, sim);
+static void take_steps(pdyn_sim *sim, int steps) {
+    for (int k = 0; k < steps; k++) take_step(sim);
 }
 
 /* ---- torsion --------------------------------------------------------------------------------- */
@@ -106,7 +106,7 @@ static double torsion_viscosity(pdyn_context *context, int thick, bool turned) {
     pdyn_scene *scene = make_scene(context, n, d, mu, h);
     set(context, scene, "solver", "{'tolerance': 1e-9, 'linear_tolerance': 1e-4}", 0, 0);
     pdyn_sim *sim = load_scene(context, scene);
-    take_steps(context, sim, 50);
+    take_steps(sim, 50);
     const pdyn_state s = pdyn_get_state(sim);
     for (int i = 0; i < n; i++) {
         before += vec3_dot(start_v[i], start_v[i]);
@@ -161,7 +161,7 @@ static double couette_error(pdyn_context *context, int layers) {
         " '-z'], 'motion': [{'time': 0}, {'time': 1000, 'translate': [%g, 0, 0]}]}",
         0.5 * gap, 1000.0 * v);
     pdyn_sim *sim = load_scene(context, scene);
-    take_steps(context, sim, 40);
+    take_steps(sim, 40);
     const pdyn_state s = pdyn_get_state(sim);
     for (int i = 0; i < n; i++)
         if (fabs(start_x[i][0]) < 0.5 * gap)
@@ -200,7 +200,7 @@ static void print_duct(pdyn_context *context, int across) {
         " 'open': ['+x', '-x']}",
         0, 0);
     pdyn_sim *sim = load_scene(context, scene);
-    take_steps(context, sim, 20);
+    take_steps(sim, 20);
     const pdyn_state s = pdyn_get_state(sim);
     for (int i = 0; i < n; i++) {
         if (fabs(start_x[i][0]) > 0.5 * gap) continue;
@@ -257,7 +257,7 @@ static void spread(pdyn_context *context, int layers, double seconds) {
     pdyn_sim *sim = load_scene(context, scene);
     printf("| t, s | radius, mm | Huppert, mm | exponent |\n|---|---|---|---|\n");
     for (double next = 0.125; next <= seconds; next *= 2.0) {
-        while (pdyn_time(sim) < next - 1e-6) take_step(context, sim);
+        while (pdyn_time(sim) < next - 1e-6) take_step(sim);
         double r = front(sim, d),
                exact = 0.894 * pow(g * pow(volume, 3) / (3.0 * nu) * next, 0.125);
         printf("| %g | %.1f | %.1f |", next, 1e3 * r, 1e3 * exact);
@@ -283,7 +283,7 @@ static void print_rotation(pdyn_context *context, double h, const char *integrat
     if (pdyn_scene_set(scene, "time_step.integrator", "\"%s\"", integrator) != PDYN_OK)
         die("%s", pdyn_last_error(context));
     pdyn_sim *sim = load_scene(context, scene);
-    take_steps(context, sim, (int)(0.5 / h + 0.5));
+    take_steps(sim, (int)(0.5 / h + 0.5));
     const pdyn_state s = pdyn_get_state(sim);
     for (int i = 0; i < n; i++) {
         const double *x = s.x + 3 * i, *v = s.v + 3 * i;
@@ -328,7 +328,7 @@ static void cost(pdyn_context *context, const char *file, double seconds) {
     for (double t = 0.05; t < seconds + 0.01; t += 0.05)
         for (int k = 0; k < RUNS; k++)
             while (pdyn_time(sim[k]) < t - 1e-6) {
-                pdyn_step_info info = take_step(context, sim[k]);
+                pdyn_step_info info = take_step(sim[k]);
                 ms[k] += info.ms_cpu, steps[k]++, linear[k] += info.linear_iterations;
                 largest[k] = fmax(largest[k], info.step_residual);
             }
