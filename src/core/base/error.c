@@ -2,6 +2,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 static _Thread_local char last_error[ERROR_LENGTH];
 static _Thread_local unsigned count;
@@ -12,10 +13,12 @@ const char *pdyn_last_error(const pdyn_context *context) {
 }
 
 pdyn_status set_error(pdyn_status status, const char *format, ...) {
+    char text[ERROR_LENGTH];
     va_list args;
     va_start(args, format);
-    vsnprintf(last_error, sizeof last_error, format, args);
+    vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    memcpy(last_error, text, sizeof text);
     count++;
     return status;
 }

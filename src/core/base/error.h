@@ -6,7 +6,8 @@
 
 enum { ERROR_LENGTH = 2048 }; /* of a text, the closing NUL included; a longer one is cut */
 
-/* Sets the text (printf format) and returns `status`. */
+/* Sets the text (printf format) and returns `status`. An argument may be the text of the error
+ * before (pdyn_last_error). */
 pdyn_status set_error(pdyn_status status, const char *format, ...) PDYN_PRINTF(2, 3);
 
 /* Errors of this thread so far. */

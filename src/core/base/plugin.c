@@ -73,7 +73,5 @@ pdyn_status pdyn_load_plugin(pdyn_context *context, const char *path) {
                          "%.1024s: not a plug-in: it has no symbol pdyn_plugin_table", path);
     pdyn_status status = register_table(context, plugin);
     if (status != PDYN_BAD_INPUT) return status;
-    char why[1024];
-    snprintf(why, sizeof why, "%.1000s", pdyn_last_error(NULL));
-    return set_error(status, "%.1000s: %s", path, why);
+    return set_error(status, "%.1000s: %.1000s", path, pdyn_last_error(NULL));
 }

@@ -161,10 +161,8 @@ pdyn_status snapshot_write(struct pdyn_sim *sim, struct snapshot_file *file) {
 static pdyn_status read_state(struct pdyn_sim *sim, struct snapshot_file *file) {
     pdyn_status status = persist_state(sim, file);
     if (status != PDYN_DIVERGED) return status;
-    char why[512];
-    snprintf(why, sizeof why, "%s", pdyn_last_error(NULL));
     file->status = PDYN_OK;
-    snapshot_file_require(file, false, why);
+    snapshot_file_require(file, false, pdyn_last_error(NULL));
     return file->status;
 }
 

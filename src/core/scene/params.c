@@ -59,9 +59,7 @@ static pdyn_status read_real(const struct json_at *at, const pdyn_param *param,
     pdyn_status status = params_real(at, param->min, param->max, param->unit, field);
     if (status == PDYN_OK) angles_note(at, param->unit, field, 1);
     if (status == PDYN_OK || !json_is_number(at->value) || !*param->doc) return status;
-    char text[ERROR_LENGTH];
-    text_clip(text, sizeof text, pdyn_last_error(NULL));
-    return set_error(status, "%s; meaning: %s", text, param->doc);
+    return set_error(status, "%s; meaning: %s", pdyn_last_error(NULL), param->doc);
 }
 
 static pdyn_status read_int(const struct json_at *at, const pdyn_param *param,

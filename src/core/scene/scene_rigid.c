@@ -10,7 +10,6 @@
 #include "projdyn/svd3.h"
 #include "projdyn/vec3.h"
 
-#include <stdio.h>
 #include <string.h>
 
 /* ---- shape ----------------------------------------------------------------------------------- */
@@ -36,14 +35,13 @@ static pdyn_status check_surface(struct reader *r, const struct mesh *mesh) {
 }
 
 static pdyn_status check_mesh(struct reader *r, const struct mesh *mesh) {
-    char what[ERROR_LENGTH / 2];
     pdyn_status status = mesh_check(mesh, "as placed");
     if (status == PDYN_OK) status = mesh_check_closed(r->context, mesh, "as placed");
     if (status != PDYN_OK) return status;
     status = check_surface(r, mesh);
     if (status != PDYN_BAD_INPUT) return status;
-    snprintf(what, sizeof what, "%s", pdyn_last_error(NULL));
-    return set_error(status, "%s; \"cell\" makes a surface without such faults", what);
+    return set_error(status, "%s; \"cell\" makes a surface without such faults",
+                     pdyn_last_error(NULL));
 }
 
 /* Reads and places one of the shapes. */

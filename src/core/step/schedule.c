@@ -1,6 +1,5 @@
 #include "schedule.h"
 
-#include "base/text.h"
 #include "control.h"
 #include "parameters.h"
 #include "sim.h"
@@ -70,12 +69,11 @@ static pdyn_status follow_keys(struct pdyn_sim *sim, int k, const struct scene_c
 static pdyn_status try_keys(struct pdyn_sim *sim, int k, const struct scene_constraint *c,
                             const pdyn_path *path) {
     const double *key = path->key, *end = key + 4 * path->count;
-    char text[ERROR_LENGTH];
     pdyn_status status = PDYN_OK;
     for (; key < end && status == PDYN_OK; key += 4) status = follow_to(sim, k, c, key[0]);
     if (status != PDYN_BAD_INPUT) return status;
-    text_clip(text, sizeof text, pdyn_last_error(NULL));
-    return set_error(status, "%s: key at %.10g s: %s", sim->scene.file, key[-4], text);
+    return set_error(status, "%s: key at %.10g s: %s", sim->scene.file, key[-4],
+                     pdyn_last_error(NULL));
 }
 
 /* ---- all constraints ------------------------------------------------------------------------- */
