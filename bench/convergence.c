@@ -12,7 +12,6 @@
 #include "step/sim.h"
 
 #include "projdyn/control.h"
-#include "projdyn/vec3.h"
 
 #include <stdio.h>
 #include <stdlib.h>

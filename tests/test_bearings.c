@@ -2,8 +2,6 @@
  * dashpots are the gradient of one energy and hold nothing together. */
 #include "support.h"
 
-#include "projdyn/vec3.h"
-
 #include <string.h>
 
 #define BOX_AT(height)                                                                             \

@@ -5,7 +5,6 @@
 #include "geometry/mesh.h"
 #include "projdyn/control.h"
 #include "projdyn/probe.h"
-#include "projdyn/vec3.h"
 
 #define CUBE                                                                                       \
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n"                     \

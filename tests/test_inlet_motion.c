@@ -3,8 +3,6 @@
 #include "control_support.h"
 #include "step/live_particles.h"
 
-#include "projdyn/vec3.h"
-
 #define STEP 0.004 /* s */
 /* Particles without forces, of spacing 0.02 m, 3 x 3 in a layer; the stream is along x. inlet:
  * further keys. */

@@ -1,8 +1,6 @@
 /* Several operators (matrix-free constraints) in one scene: core asks each for what it has. */
 #include "support.h"
 
-#include "base/registry.h"
-
 extern const pdyn_constraint_type pdyn_constraint_fluid;
 
 #define WATER(constraints)                                                                         \

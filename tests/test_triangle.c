@@ -2,8 +2,6 @@
  * moduli. */
 #include "support.h"
 
-#include "base/registry.h"
-
 #include "projdyn/vec3.h"
 
 #include <string.h>

@@ -4,8 +4,6 @@
 #include "rows/eigen.h"
 #include "rows/numeric_tangent.h"
 
-#include "projdyn/vec3.h"
-
 #include <math.h>
 #include <string.h>
 

@@ -4,7 +4,6 @@
 #include "memory.h"
 
 #include <math.h>
-#include <string.h>
 
 /* Constraints below minus this (a relative density, for a fluid) stay out of a solve; the next
  * local step evaluates them again. */

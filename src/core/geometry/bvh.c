@@ -2,7 +2,6 @@
 #include "bvh.h"
 
 #include <math.h>
-#include <string.h>
 
 /* Computes for `count` boxes the number of levels and the first group of each; returns the number
  * of groups in all levels. */

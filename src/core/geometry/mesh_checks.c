@@ -4,7 +4,6 @@
 #include "projdyn/vec3.h"
 
 #include <stdio.h>
-#include <string.h>
 
 pdyn_status mesh_check_used(pdyn_context *context, const char *name, int vertices, const int *index,
                             int count, const char *what) {

@@ -8,7 +8,6 @@
 #include "vertex_selection.h"
 
 #include <limits.h>
-#include <string.h>
 
 enum { WHAT = 128 };
 

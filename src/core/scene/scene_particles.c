@@ -2,7 +2,6 @@
 #include "fill.h"
 #include "inlet.h"
 #include "inlet_motion.h"
-#include "params.h"
 #include "scene_body.h"
 
 #include <math.h>

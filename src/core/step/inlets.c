@@ -4,8 +4,6 @@
 #include "inlet_control.h"
 #include "scene/inlet_motion.h"
 
-#include "projdyn/vec3.h"
-
 #include <string.h>
 
 /* Smallest distance, in spacings, from an entering particle to others: closer ones would burst
