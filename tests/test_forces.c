@@ -184,9 +184,9 @@ static void test_pins_in_impacts(void **state) {
     assert_true(batch_pins(pins, &sim->body[1]));
     while (pdyn_time(sim) < 0.5) {
         test_step(sim);
-        assert_true(pins->left_out >= 0.0 && pins->left_out <= sim->left_out);
-        if (!(vec3_length(sim->passed_on + 3) > 0.0)) continue;
-        none += pins->left_out == 0.0, all += pins->left_out == sim->left_out;
+        assert_true(pins->left_out >= 0.0 && pins->left_out <= sim->impacts.left_out);
+        if (!(vec3_length(sim->impacts.passed_on + 3) > 0.0)) continue;
+        none += pins->left_out == 0.0, all += pins->left_out == sim->impacts.left_out;
     }
     assert_true(none > 0 && all > 0);
     test_close(sim);

@@ -187,13 +187,13 @@ static void pass_on(struct pdyn_sim *sim, const pdyn_body *body, const double pa
     double part = size > 0.0 ? -vec3_dot(load.force, passed) / size : 0.0;
     for (int b = 0; b < objective->batches; b++)
         if (batch_pins(objective->batch[b], body))
-            objective->batch[b]->left_out = sim->left_out * fmin(1.0, fmax(0.0, part));
+            objective->batch[b]->left_out = sim->impacts.left_out * fmin(1.0, fmax(0.0, part));
 }
 
 void forces_pass_on(struct pdyn_sim *sim) {
-    for (int b = 0; sim->left_out > 0.0 && b < sim->bodies; b++)
-        if (vec3_length(sim->passed_on + 3 * (size_t)b) > 0.0)
-            pass_on(sim, &sim->body[b], sim->passed_on + 3 * (size_t)b);
+    for (int b = 0; sim->impacts.left_out > 0.0 && b < sim->bodies; b++)
+        if (vec3_length(sim->impacts.passed_on + 3 * (size_t)b) > 0.0)
+            pass_on(sim, &sim->body[b], sim->impacts.passed_on + 3 * (size_t)b);
 }
 
 /* ---- public functions ------------------------------------------------------------------------ */

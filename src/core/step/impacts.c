@@ -32,13 +32,13 @@ struct impulses {    /* of the impacts of a step, over the mass */
 };
 
 /* Moves the impulses of a body in v from the weight h_e to the weight h_e^2 / h, and adds the
- * latter to v_before; sets `kept`. The rest goes to the pins of the body (sim->passed_on). Without
- * pins, the rest of the impulses between particles is added to `lost`. */
+ * latter to v_before; sets `kept`. The rest goes to the pins of the body (sim->impacts.passed_on).
+ * Without pins, the rest of the impulses between particles is added to `lost`. */
 static void shift_velocities(struct pdyn_sim *sim, int b, double h, struct impulses *impulses) {
     const struct objective *objective = &sim->objective;
     const struct objective_body *body = &objective->body[b];
     const double *impulse = impulses->all;
-    double part = objective->h / h, *passed_on = sim->passed_on + 3 * (size_t)b;
+    double part = objective->h / h, *passed_on = sim->impacts.passed_on + 3 * (size_t)b;
     bool pinned = sim_pins_body(sim, b);
     memset(passed_on, 0, 3 * sizeof *passed_on);
     for (int i = body->first; i < body->first + body->count; i++) {
@@ -180,11 +180,13 @@ static int find_impacts(struct pdyn_sim *sim, double h, double *force) {
     return count;
 }
 
-int impacts_correct(struct pdyn_sim *sim, double h) {
+void impacts_correct(struct pdyn_sim *sim, double h) {
+    double part = sim->objective.h / h;
     struct impulses impulses = {
         .all = sim->trial_gradient, .between = sim->trial, .kept = sim->rhs};
-    if (!sim->v_before) return 0;
-    int count = find_impacts(sim, h, impulses.all);
+    if (!sim->v_before) return;
+    sim->impacts.left_out = 1.0 - part * part;
+    sim->impacts.count = find_impacts(sim, h, impulses.all);
     bool any = find_between(sim, impulses.all, impulses.between);
     to_velocities(sim, impulses.all);
     if (any) to_velocities(sim, impulses.between);
@@ -193,5 +195,4 @@ int impacts_correct(struct pdyn_sim *sim, double h) {
     if (any) give_back(sim, &impulses, sim->direction);
     rigid_bodies_project(sim, sim->x_next, sim->v);
     rigid_bodies_project(sim, sim->x, sim->v_before);
-    return count;
 }

@@ -10,8 +10,7 @@
 
 /* Call after a step of length h, s, with its velocities known. Corrects velocities and those of the
  * step before, reduces the impacts on solids to the part that velocities received, and sets
- * sim->passed_on.
- * Returns the number of constraints with an impact; 0 with Euler. */
-int impacts_correct(struct pdyn_sim *sim, double h);
+ * sim->impacts, whose numbers are 0 before. With Euler there are none. */
+void impacts_correct(struct pdyn_sim *sim, double h);
 
 #endif

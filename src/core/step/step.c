@@ -84,7 +84,7 @@ static void accept(struct pdyn_sim *sim, double h, double rise) {
     memcpy(sim->x, sim->x_next, objective_bytes(objective));
     velocities_apply_operators(sim, h);
     for (int b = 0; b < objective->batches; b++)
-        batch_accept(objective->batch[b], sim->left_out, sim->solved);
+        batch_accept(objective->batch[b], sim->impacts.left_out, sim->solved);
     forces_pass_on(sim);
     forces_store_normal(sim);
     sim->last_h = h;
@@ -237,7 +237,7 @@ static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_inf
                              .frame = end.frame,
                              .outer_iterations = progress.outer,
                              .linear_iterations = progress.linear,
-                             .impacts = sim->impacts,
+                             .impacts = sim->impacts.count,
                              .retries = retries,
                              .leaked = crossings_total(sim),
                              .step_residual = progress.residual};

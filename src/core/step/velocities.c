@@ -87,8 +87,6 @@ static void update_unsolved(struct pdyn_sim *sim, double h, double rise) {
     remove_energy_gain(sim, h, rise);
     rigid_bodies_project(sim, sim->x_next, sim->v);
     sim->history = 0.0;
-    sim->impacts = 0;
-    sim->left_out = 0.0;
 }
 
 /* ---- all steps ------------------------------------------------------------------------------- */
@@ -122,16 +120,14 @@ pdyn_status velocities_measure_rise(struct pdyn_sim *sim, bool far_off, double *
 }
 
 void velocities_update(struct pdyn_sim *sim, double h, double rise) {
-    sim->slowed = 0.0;
+    sim->slowed = sim->impacts.left_out = 0.0, sim->impacts.count = 0;
     if (may_gain(sim, sim->far_off)) {
         update_unsolved(sim, h, rise);
         return;
     }
     compute_velocities(sim, sim->x_base, sim->objective.h);
     rigid_bodies_set_velocities(sim);
-    sim->impacts = impacts_correct(sim, h);
-    double part = sim->objective.h / h;
-    sim->left_out = sim->v_before ? 1.0 - part * part : 0.0;
+    impacts_correct(sim, h);
 }
 
 /* Operators change velocities as for a step of length h (viscosity). The steps that follow take a
