@@ -19,25 +19,18 @@
 #define GAS(keys)    "{'type': 'gas'" keys "}"
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
 
-/* Loads a body "ball" with this mesh; settings: keys before the bodies; rest: keys after them. */
-static pdyn_status load(pdyn_context *context, const char *settings, const char *mesh,
-                        const char *constraints, const char *rest, pdyn_sim **sim) {
-    char text[4096];
+/* A body "ball" with this mesh; settings: keys before the bodies; rest: keys after them. Valid
+ * until the next call. */
+static const char *ball_scene(const char *settings, const char *mesh, const char *constraints,
+                              const char *rest) {
+    static char text[4096];
     snprintf(text, sizeof text,
              SCENE("'duration': 1000, 'frame_interval': 1000, %s",
                    "{'name': 'ball', 'surface': {'mesh': '%s', 'area_density': 0.3}, "
                    "'constraints': [%s]}",
                    "%s"),
              settings, mesh, constraints, rest);
-    return pdyn_load_text(context, quoted(text), "test", NULL, 0, sim);
-}
-
-static pdyn_sim *load_good(pdyn_context *context, const char *settings, const char *mesh,
-                           const char *constraints, const char *rest) {
-    pdyn_sim *sim = NULL;
-    if (load(context, settings, mesh, constraints, rest, &sim) != PDYN_OK)
-        fail_msg("%s", pdyn_last_error(context));
-    return sim;
+    return text;
 }
 
 /* The shipped ball: 386 vertices, radius 0.1 m. */
@@ -81,13 +74,13 @@ static void test_laws(void **state) {
         {OPPOSED, ", 'gamma': 1", 1.0 / 3.0, 0.9, 101325.0 * 0.371742},
     };
     for (int k = 0; k < COUNT(cases); k++) {
-        pdyn_context *context = test_context(1);
         char constraint[512];
         double x[3 * 8];
         test_write_text("cube.obj", cases[k].mesh);
         snprintf(constraint, sizeof constraint, GAS("%s"), cases[k].keys);
-        pdyn_sim *sim = load_good(context, "'gravity': [0, 0, 0], 'time_step': {'fixed': 1e-9}",
-                                  "cube.obj", constraint, ", 'probes': [{'inside': 'ball'}]");
+        pdyn_sim *sim =
+            test_open(ball_scene("'gravity': [0, 0, 0], 'time_step': {'fixed': 1e-9}", "cube.obj",
+                                 constraint, ", 'probes': [{'inside': 'ball'}]"));
         const pdyn_state s = pdyn_get_state(sim);
         for (int i = 0; i < 3 * s.particles; i++) x[i] = cases[k].scale * s.x[i];
         assert_int_equal(pdyn_set_positions(sim, 0, s.particles, x), PDYN_OK);
@@ -114,14 +107,13 @@ static void test_tension(void **state) {
     for (int k = 0; k < COUNT(solvers); k++) {
         char settings[512];
         if (test_lacks_solver(solvers[k])) continue;
-        pdyn_context *context = test_context(1);
         snprintf(settings, sizeof settings,
                  "'gravity': [0, 0, 0], 'time_step': {'fixed': 0.05, 'integrator': 'euler'}, "
                  "'solver': {%s, 'tolerance': 1e-3, 'outer_iterations': 300}",
                  solvers[k]);
-        pdyn_sim *sim = load_good(context, settings, ball_mesh(),
-                                  STRAIN("1000") ", " GAS(", 'overpressure': 1000, 'gamma': 0"),
-                                  ", 'probes': [{'inside': 'ball'}]");
+        pdyn_sim *sim = test_open(ball_scene(
+            settings, ball_mesh(), STRAIN("1000") ", " GAS(", 'overpressure': 1000, 'gamma': 0"),
+            ", 'probes': [{'inside': 'ball'}]"));
         double start = mesh_volume(sim->body[0].triangles, sim->body[0].triangle, sim->x);
         for (int n = 0; n < 40; n++) test_step(sim);
         const double *value = pdyn_get_probe(sim, 0).value;
@@ -139,11 +131,10 @@ static void test_tension(void **state) {
  * out of shape falls freely. */
 static void test_fall(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load_good(context,
-                              "'time_step': {'fixed': 0.01, 'integrator': 'euler'}, 'solver': "
-                              "{'tolerance': 0.01, 'outer_iterations': 100}",
-                              ball_mesh(), STRAIN("1000") ", " GAS(", 'overpressure': 1000"), "");
+    pdyn_sim *sim =
+        test_open(ball_scene("'time_step': {'fixed': 0.01, 'integrator': 'euler'}, 'solver': "
+                             "{'tolerance': 0.01, 'outer_iterations': 100}",
+                             ball_mesh(), STRAIN("1000") ", " GAS(", 'overpressure': 1000"), ""));
     const pdyn_state s = pdyn_get_state(sim);
     double *x = calloc(3 * (size_t)s.particles, sizeof *x), middle = 0.0, mass = 0.0;
     int iterations = 0;
@@ -165,9 +156,8 @@ static void test_fall(void **state) {
 /* H = M/h^2 + w G'(I - (1 - eps) J) G is linear in eps. */
 static void test_linear(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load_good(context, "'solver': {'type': 'cg'}", ball_mesh(),
-                              GAS(", 'overpressure': 1000"), "");
+    pdyn_sim *sim = test_open(
+        ball_scene("'solver': {'type': 'cg'}", ball_mesh(), GAS(", 'overpressure': 1000"), ""));
     struct objective *objective = &sim->objective;
     int n = 3 * objective->particles;
     double *y[3], energy, largest = 0.0, off = 0.0;
@@ -190,12 +180,11 @@ static void test_linear(void **state) {
 /* Parameters change between steps: the ball is pumped up. */
 static void test_pump(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load_good(context,
-                              "'gravity': [0, 0, 0], 'time_step': {'fixed': 0.05, 'integrator': "
-                              "'euler'}, 'solver': {'outer_iterations': 300}",
-                              ball_mesh(), STRAIN("10") ", " GAS(", 'overpressure': 0"),
-                              ", 'probes': [{'inside': 'ball'}]");
+    pdyn_sim *sim =
+        test_open(ball_scene("'gravity': [0, 0, 0], 'time_step': {'fixed': 0.05, 'integrator': "
+                             "'euler'}, 'solver': {'outer_iterations': 300}",
+                             ball_mesh(), STRAIN("10") ", " GAS(", 'overpressure': 0"),
+                             ", 'probes': [{'inside': 'ball'}]"));
     test_step(sim);
     double before = pdyn_get_probe(sim, 0).value[0], two = 2.0;
     assert_int_equal(pdyn_set_parameter(sim, 1, "inflation", &two, 1), PDYN_OK);
@@ -209,9 +198,8 @@ static void test_pump(void **state) {
 /* A gas that is switched off has no energy, also of its element. */
 static void test_off(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load_good(context, "'gravity': [0, 0, 0]", ball_mesh(),
-                              GAS(", 'overpressure': 1000") ", " SPRINGS("1000"), "");
+    pdyn_sim *sim = test_open(ball_scene("'gravity': [0, 0, 0]", ball_mesh(),
+                                         GAS(", 'overpressure': 1000") ", " SPRINGS("1000"), ""));
     double energy = -1.0;
     for (int off = 0; off < 2; off++) {
         assert_int_equal(pdyn_enable(sim, 0, !off), PDYN_OK);
@@ -227,7 +215,8 @@ static void refuse(const char *settings, const char *mesh, const char *constrain
                    const char *rest, const char *message) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = NULL;
-    assert_int_equal(load(context, settings, mesh, constraints, rest, &sim), PDYN_BAD_INPUT);
+    const char *text = quoted(ball_scene(settings, mesh, constraints, rest));
+    assert_int_equal(pdyn_load_text(context, text, "test", NULL, 0, &sim), PDYN_BAD_INPUT);
     assert_error(quoted(message));
     pdyn_destroy(context);
 }
@@ -266,8 +255,7 @@ static void test_refused_change(void **state) {
     (void)state;
     static const char message[] = "overpressure: a gas has a pressure above 0";
     double vacuum = -2e5;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load_good(context, "'gravity': [0, 0, 0]", ball_mesh(), GAS(""), "");
+    pdyn_sim *sim = test_open(ball_scene("'gravity': [0, 0, 0]", ball_mesh(), GAS(""), ""));
     assert_int_equal(pdyn_set_parameter(sim, 0, "overpressure", &vacuum, 1), PDYN_BAD_INPUT);
     assert_error(message);
     assert_true(pdyn_get_parameter(sim, 0, 0).value == 0.0);

@@ -19,9 +19,8 @@ static pdyn_status fail_where_long(void *self, double *b, double *y, const pdyn_
     return status;
 }
 
-static pdyn_sim *load(pdyn_context *context, pdyn_global_solver *failing, const char *set,
-                      double limit) {
-    pdyn_sim *sim = test_load_with(context, drop, &set, 1);
+static pdyn_sim *load(pdyn_global_solver *failing, const char *set, double limit) {
+    pdyn_sim *sim = test_open_with(drop, &set, 1);
     *failing = *(own = sim->solver), failing->solve = fail_where_long;
     objective_of_own = &sim->objective, longest = INFINITY, sim->solver = failing;
     for (int k = 0; k < 5; k++) assert_int_equal(test_step(sim).retries, 0);
@@ -32,8 +31,7 @@ static pdyn_sim *load(pdyn_context *context, pdyn_global_solver *failing, const 
 static void test_shorter(void **state) {
     (void)state;
     pdyn_global_solver failing;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load(context, &failing, "solver.retries=4", 0.0006);
+    pdyn_sim *sim = load(&failing, "solver.retries=4", 0.0006);
     double time = pdyn_time(sim);
     pdyn_step_info info = test_step(sim);
     assert_int_equal(info.retries, 2);
@@ -46,8 +44,7 @@ static void test_shorter(void **state) {
 
 static void ends(const char *set) {
     pdyn_global_solver failing;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load(context, &failing, set, 0.0);
+    pdyn_sim *sim = load(&failing, set, 0.0);
     uint64_t hash = pdyn_state_hash(sim);
     double history = sim->history;
     assert_true(history > 0.0);

@@ -27,27 +27,26 @@ static void add_block(struct block *b, int nx, int ny, int nz) {
     }
 }
 
-static void set(pdyn_context *context, pdyn_scene *scene, const char *path, const char *value) {
+static void set(pdyn_scene *scene, const char *path, const char *value) {
     if (pdyn_scene_set(scene, path, "%s", quoted(value)) != PDYN_OK)
-        fail_msg("%s", pdyn_last_error(context));
+        fail_msg("%s", pdyn_last_error(NULL));
 }
 
 /* The block with viscosity mu, Pa s; more: keys and values, ends with NULL. */
-static pdyn_sim *load(pdyn_context *context, const struct block *b, const char *mu,
-                      const char *const *more) {
+static pdyn_sim *load(int threads, const struct block *b, const char *mu, const char *const *more) {
     pdyn_scene *scene;
     pdyn_sim *sim;
-    assert_int_equal(pdyn_scene_create(context, "viscosity", &scene), PDYN_OK);
+    assert_int_equal(pdyn_scene_create(test_context(threads), "viscosity", &scene), PDYN_OK);
     assert_int_equal(pdyn_scene_particles(scene, "p.ply", b->count, b->x[0], b->v[0]), PDYN_OK);
-    set(context, scene, "duration", "1000");
-    set(context, scene, "frame_interval", "1000");
-    set(context, scene, "gravity", "[0, 0, 0]");
-    set(context, scene, "solver", "{'tolerance': 1e-9, 'linear_tolerance': 1e-4}");
-    set(context, scene, "bodies.honey.particles", "{'radius': 0.005, 'fill': [{'file': 'p.ply'}]}");
-    set(context, scene, "bodies.honey.constraints.fluid", "{'sound_speed': 30, 'viscosity': 0}");
-    set(context, scene, "bodies.honey.constraints.viscosity.viscosity", mu);
-    for (; *more; more += 2) set(context, scene, more[0], more[1]);
-    if (pdyn_scene_load(scene, &sim) != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
+    set(scene, "duration", "1000");
+    set(scene, "frame_interval", "1000");
+    set(scene, "gravity", "[0, 0, 0]");
+    set(scene, "solver", "{'tolerance': 1e-9, 'linear_tolerance': 1e-4}");
+    set(scene, "bodies.honey.particles", "{'radius': 0.005, 'fill': [{'file': 'p.ply'}]}");
+    set(scene, "bodies.honey.constraints.fluid", "{'sound_speed': 30, 'viscosity': 0}");
+    set(scene, "bodies.honey.constraints.viscosity.viscosity", mu);
+    for (; *more; more += 2) set(scene, more[0], more[1]);
+    if (pdyn_scene_load(scene, &sim) != PDYN_OK) fail_msg("%s", pdyn_last_error(NULL));
     pdyn_scene_free(scene);
     return sim;
 }
@@ -60,10 +59,9 @@ static void test_stress(void **state) {
                                        {0.5, 0, 0, 0, -0.5, 0, 0, 0, 0}};
     static const char *const more[] = {"time_step.fixed", "1e-4", NULL};
     static struct block b;
-    pdyn_context *context = test_context(1);
     add_block(&b, 9, 9, 9);
     for (int k = 0; k < 2; k++) {
-        pdyn_sim *sim = load(context, &b, "10", more);
+        pdyn_sim *sim = load(1, &b, "10", more);
         test_step(sim);
         struct batch *batch = sim->objective.batch[1];
         double power = 0.0;
@@ -78,9 +76,8 @@ static void test_stress(void **state) {
             power += 0.5 * batch->view.weight[e] * batch->view.h * rate * rate;
         }
         assert_true(fabs(power / (10.0 * pow(spacing, 3)) - 1.0) < 0.01);
-        pdyn_free(sim);
+        test_close(sim);
     }
-    pdyn_destroy(context);
 }
 
 struct sums {
@@ -110,14 +107,13 @@ static void test_rotation(void **state) {
         {"time_step", "{'fixed': 0.005, 'integrator': 'euler'}", NULL}};
     static const double largest_loss[] = {5e-3, 0.1};
     static struct block b;
-    pdyn_context *context = test_context(1);
     for (int k = 0; k < 2; k++) {
         add_block(&b, 6, 6, 3);
         for (int i = 0; i < b.count; i++) {
             b.v[i][0] = 0.3 - 10.0 * b.x[i][1], b.v[i][1] = -0.2 + 10.0 * b.x[i][0];
             b.v[i][2] = 0.1;
         }
-        pdyn_sim *sim = load(context, &b, "1e5", more[k]);
+        pdyn_sim *sim = load(1, &b, "1e5", more[k]);
         struct sums before = sums_of(sim);
         for (int n = 0; n < 40; n++) test_step(sim);
         for (int i = 0; i < b.count; i++) /* relative to the centre */
@@ -127,9 +123,8 @@ static void test_rotation(void **state) {
         assert_true(fabs(after.radius / before.radius - 1.0) < 1e-3);
         double loss = 1.0 - after.angular[2] / before.angular[2];
         assert_true(fabs(loss) < largest_loss[k]);
-        pdyn_free(sim);
+        test_close(sim);
     }
-    pdyn_destroy(context);
 }
 
 /* Plane Couette flow between a wall at rest and one that moves: a linear profile, and the load
@@ -150,10 +145,9 @@ static void test_couette(void **state) {
         "'+z', '-z'], 'motion': [{'time': 0}, {'time': 100, 'translate': [0.01, 0, 0]}]}",
         NULL};
     static struct block b;
-    pdyn_context *context = test_context(1);
     const double speed = 1e-4, height = LAYERS * spacing;
     add_block(&b, 36, LAYERS, 6);
-    pdyn_sim *sim = load(context, &b, "10", more);
+    pdyn_sim *sim = load(1, &b, "10", more);
     for (int n = 0; n < 20; n++) test_step(sim);
     for (int i = 0; i < b.count; i++) {
         double exact = speed * (b.x[i][1] / height + 0.5);
@@ -185,9 +179,8 @@ static void test_sheet(void **state) {
         "'velocity': [0.1, 0, 0]}",
         NULL};
     static struct block b;
-    pdyn_context *context = test_context(1);
     add_block(&b, 6, 6, 6);
-    pdyn_sim *sim = load(context, &b, "10", more);
+    pdyn_sim *sim = load(1, &b, "10", more);
     struct sums before = sums_of(sim);
     for (int n = 0; n < 100; n++) test_step(sim);
     struct sums after = sums_of(sim);
@@ -217,8 +210,7 @@ static void test_turning_box(void **state) {
     add_block(&b, 10, 6, 10);
     for (int kernel = 0; kernel < 2; kernel++) {
         if (kernel) more[1] = "wendland";
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim = load(context, &b, "10", more);
+        pdyn_sim *sim = load(1, &b, "10", more);
         double moment = 0.0, inertia = 0.0;
         for (int n = 0; n < 40; n++) test_step(sim);
         const pdyn_state s = pdyn_get_state(sim);
@@ -256,8 +248,7 @@ static void test_threads(void **state) {
     uint64_t hash = 0;
     add_block(&b, 8, 6, 8);
     for (int threads = 1; threads <= 3; threads += 2) {
-        pdyn_context *context = test_context(threads);
-        pdyn_sim *sim = load(context, &b, "10", stirred), *again = load(context, &b, "10", stirred);
+        pdyn_sim *sim = load(threads, &b, "10", stirred), *again = load(threads, &b, "10", stirred);
         for (int n = 0; n < 3; n++) test_step(sim);
         assert_int_equal(pdyn_save(sim, "state.pdyn"), PDYN_OK);
         assert_int_equal(pdyn_restore(again, "state.pdyn"), PDYN_OK);
@@ -266,8 +257,7 @@ static void test_threads(void **state) {
         if (threads > 1) assert_true(pdyn_state_hash(sim) == hash);
         hash = pdyn_state_hash(sim);
         test_remove_file("state.pdyn");
-        pdyn_free(sim), pdyn_free(again);
-        pdyn_destroy(context);
+        test_close(sim), test_close(again);
     }
 }
 
@@ -276,11 +266,11 @@ static void test_warning(void **state) {
     (void)state;
     struct warnings warnings = {"no constraint keeps its particles apart", 0};
     pdyn_context *context = test_warned_context(1, &warnings);
-    pdyn_free(test_load(context, "{'duration': 1, 'bodies': [{'particles': {'radius': 0.1, 'fill': "
-                                 "[{'box': {'minimum': [0, 0, 0], 'maximum': [1, 1, 1]}}]}, "
-                                 "'constraints': [{'type': 'viscosity', 'viscosity': 1}]}]}"));
+    test_close(test_load(context,
+                         "{'duration': 1, 'bodies': [{'particles': {'radius': 0.1, 'fill': "
+                         "[{'box': {'minimum': [0, 0, 0], 'maximum': [1, 1, 1]}}]}, "
+                         "'constraints': [{'type': 'viscosity', 'viscosity': 1}]}]}"));
     assert_int_equal(warnings.count, 1);
-    pdyn_destroy(context);
 }
 
 /* A viscosity of 0 has no element, and its step is that of the fluid alone. */
@@ -288,9 +278,8 @@ static void test_zero(void **state) {
     (void)state;
     static const char *const more[] = {"time_step.fixed", "0.001", NULL};
     static struct block b;
-    pdyn_context *context = test_context(1);
     add_block(&b, 4, 4, 4);
-    pdyn_sim *sim = load(context, &b, "0", more);
+    pdyn_sim *sim = load(1, &b, "0", more);
     test_step(sim);
     assert_int_equal(sim->objective.batch[1]->view.elements, 0);
     test_close(sim);
@@ -305,23 +294,21 @@ static void test_beside_pressures(void **state) {
     static struct block b;
     double x[2][3 * 7 * 7];
     int linear[2] = {0};
-    pdyn_context *context = test_context(1);
     add_block(&b, 7, 1, 7);
     for (int i = 0; i < b.count; i++) b.v[i][0] = -4.0 * b.x[i][0], b.v[i][2] = 4.0 * b.x[i][2];
     for (int k = 0; k < 2; k++) {
         const char *const more[] = {"time_step.fixed", "0.002", "solver", solver[k], NULL};
-        pdyn_sim *sim = load(context, &b, "600", more);
+        pdyn_sim *sim = load(1, &b, "600", more);
         for (int n = 0; n < 3; n++) {
             pdyn_step_info info = test_step(sim);
             assert_true(info.step_residual <= 1e-6);
             linear[k] += info.linear_iterations;
         }
         memcpy(x[k], sim->x, sizeof x[k]);
-        pdyn_free(sim);
+        test_close(sim);
     }
     assert_true(test_distance(x[0], x[1], 3 * b.count) < 1e-3 * spacing);
     assert_true(10 * linear[1] < 17 * linear[0]); /* 100 and 70 */
-    pdyn_destroy(context);
 }
 
 /* Two particles that come so close in a step that the length of their dashpot, extrapolated, would
@@ -331,11 +318,10 @@ static void test_approach(void **state) {
     static const char *const more[] = {"time_step.fixed", "0.001",
                                        "bodies.honey.constraints.fluid.sound_speed", "1e-3", NULL};
     static struct block b;
-    pdyn_context *context = test_context(1);
     add_block(&b, 2, 1, 1);
     b.x[1][0] = b.x[0][0] + 1.9 * spacing;
     b.v[0][0] = 1500 * spacing;
-    pdyn_sim *sim = load(context, &b, "1e-9", more);
+    pdyn_sim *sim = load(1, &b, "1e-9", more);
     for (int n = 0; n < 3; n++) {
         assert_true(test_step(sim).step_residual <= 1e-9);
         if (n == 0) assert_true(fabs(sim->x[3] - sim->x[0] - 0.4 * spacing) < 1e-6);
