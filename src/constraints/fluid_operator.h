@@ -85,11 +85,6 @@ static inline bool takes_part(const struct fluid *f, int first, int last, int bl
     return fluid || f->block_start[block + 1] > f->block_start[block];
 }
 
-/* Gradient and value of a pair, in double. */
-INLINE void load_pair(const struct fluid *f, int pair, v4 *out) {
-    v4_widen(out, f->pair + 4 * (size_t)pair);
-}
-
 /* Local step at x (particles x 3; fluid_local.c): computes pairs, C_i and grad C_i; returns the
  * energy, J. */
 double fluid_project(struct fluid *f, const double *x);

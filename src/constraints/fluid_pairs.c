@@ -4,6 +4,11 @@
 
 #include "projdyn/vec3.h"
 
+/* Gradient and value of a pair, in double. */
+INLINE void load_pair(const struct fluid *f, int pair, v4 *out) {
+    v4_widen(out, f->pair + 4 * (size_t)pair);
+}
+
 /* Independent partial sums: an addition does not wait for the previous one. */
 enum { LANES = 4 };
 

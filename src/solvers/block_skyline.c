@@ -10,6 +10,9 @@ enum {
     PANEL = 16 /* block rows that are factored on several threads */
 };
 
+/* Numbers in `value`. */
+static size_t size_of(const struct skyline *s) { return 9 * s->start[s->nodes]; }
+
 pdyn_status skyline_create(struct skyline *s, const pdyn_services *services, int nodes,
                            const int *first) {
     s->services = services, s->nodes = nodes;
@@ -22,8 +25,8 @@ pdyn_status skyline_create(struct skyline *s, const pdyn_services *services, int
         s->first[i] = beyond ? s->first[i + 1] : first[i];
     }
     for (int i = 0; i < nodes; i++) s->start[i + 1] = s->start[i] + (size_t)(i - s->first[i] + 1);
-    s->value = NEW(services, skyline_size(s), double);
-    s->factor = NEW(services, skyline_size(s), float);
+    s->value = NEW(services, size_of(s), double);
+    s->factor = NEW(services, size_of(s), float);
     if (nodes && !(s->value && s->factor)) return PDYN_NO_MEMORY;
     for (int r = 0; r < 3 * nodes; r++)
         s->origin[r] = skyline_row(s, r / 3, r % 3) - s->value - 3 * s->first[r / 3];
@@ -33,8 +36,8 @@ pdyn_status skyline_create(struct skyline *s, const pdyn_services *services, int
 void skyline_free(struct skyline *s) {
     if (!s->services) return;
     if (s->start) {
-        FREE(s->services, s->value, skyline_size(s));
-        FREE(s->services, s->factor, skyline_size(s));
+        FREE(s->services, s->value, size_of(s));
+        FREE(s->services, s->factor, size_of(s));
     }
     FREE(s->services, s->start, s->nodes + 1);
     FREE(s->services, s->first, s->nodes);
@@ -163,7 +166,7 @@ WIDE static bool factor_panel(const struct panel *panel, int rows) {
 
 /* L in single precision: solves wait for memory. */
 WIDE static void copy_factor(const struct skyline *s) {
-    for (size_t k = 0; k < skyline_size(s); k++) s->factor[k] = (float)s->value[k];
+    for (size_t k = 0; k < size_of(s); k++) s->factor[k] = (float)s->value[k];
 }
 
 bool skyline_factor(struct skyline *s) {

@@ -25,9 +25,6 @@ pdyn_status skyline_create(struct skyline *skyline, const pdyn_services *service
                            const int *first);
 void skyline_free(struct skyline *skyline);
 
-/* Numbers in `value`. */
-static inline size_t skyline_size(const struct skyline *s) { return 9 * s->start[s->nodes]; }
-
 /* Row p of block row i, beginning at its first block. */
 static inline double *skyline_row(const struct skyline *s, int i, int p) {
     return s->value + 9 * s->start[i] + (size_t)p * 3 * (size_t)(i - s->first[i] + 1);
