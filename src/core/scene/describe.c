@@ -43,7 +43,7 @@ static void heading(const struct sink *to, const char *kind, const char *name,
 
 /* Appends e.g. "3 numbers from 0 to 1 per tetrahedron", "2 vertices, number from 0 to 1 per row".
  */
-static void describe_table(const pdyn_param *p, char *text, size_t size) {
+static void describe_table(char *text, size_t size, const pdyn_param *p) {
     char row[32] = "number";
     int vertices = param_vertices(p), numbers = param_width(p) - vertices;
     if (vertices) text_append(text, size, vertices == 1 ? "vertex" : "%d vertices", vertices);
@@ -68,7 +68,7 @@ static void table(const struct sink *to, const pdyn_param *params) {
         else if (p->kind == PDYN_BOOL)
             text_append(def, sizeof def, p->def != 0.0 ? "true" : "false");
         else text_append(def, sizeof def, "%.6g", p->def);
-        if (param_is_table(p)) describe_table(p, value, sizeof value);
+        if (param_is_table(p)) describe_table(value, sizeof value, p);
         else if (p->kind == PDYN_BOOL || p->kind > PDYN_VECTOR)
             text_append(value, sizeof value, "%s", kinds[p->kind]);
         else params_describe_bounds(value, sizeof value, kinds[p->kind], p->min, p->max, "");

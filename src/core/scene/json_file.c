@@ -108,7 +108,7 @@ static const struct json_change *change_of(const struct json_at *at) {
     return NULL;
 }
 
-static void append_place(const struct json_at *at, bool at_key, char *text, size_t size) {
+static void append_place(char *text, size_t size, const struct json_at *at, bool at_key) {
     const struct json_change *from = change_of(at);
     if (from && from->label) text_append(text, size, "%s", from->label);
     else text_append(text, size, "%.1024s:", at->file->name);
@@ -123,10 +123,10 @@ static void append_place(const struct json_at *at, bool at_key, char *text, size
     text_append(text, size, " ");
 }
 
-static void append_path(const struct json_at *at, char *text, size_t size) {
+static void append_path(char *text, size_t size, const struct json_at *at) {
     char key[VALUE];
     if (!at->parent) return;
-    append_path(at->parent, text, size);
+    append_path(text, size, at->parent);
     if (at->key) {
         text_clip(key, sizeof key, at->key);
         text_append(text, size, "%s%s", at->parent->parent ? "." : "", key);
@@ -135,9 +135,9 @@ static void append_path(const struct json_at *at, char *text, size_t size) {
 
 static pdyn_status fail(const struct json_at *at, bool at_key, const char *format, va_list args) {
     char place[PLACE] = "", path[256] = "", message[1024];
-    append_place(at, at_key, place, sizeof place);
+    append_place(place, sizeof place, at, at_key);
     /* for an unknown key, the path ends at the object: the message has the key */
-    append_path(at_key ? at->parent : at, path, sizeof path);
+    append_path(path, sizeof path, at_key ? at->parent : at);
     vsnprintf(message, sizeof message, format, args);
     return set_error(PDYN_BAD_INPUT, "%s%s%s%s", place, path, *path ? ": " : "", message);
 }
@@ -185,8 +185,8 @@ void json_note(const struct json_at *at, const char *format, ...) {
     va_start(args, format);
     vsnprintf(message, sizeof message, format, args);
     va_end(args);
-    append_place(at, false, place, sizeof place);
-    append_path(at, path, sizeof path);
+    append_place(place, sizeof place, at, false);
+    append_path(path, sizeof path, at);
     context_log(at->file->context, PDYN_LOG_INFO, "%s%s: %s", place, path, message);
 }
 

@@ -34,7 +34,7 @@ static bool is_kind(const char *key) {
     return false;
 }
 
-static bool hint_body(const struct json_at *at, char *hint, size_t size) {
+static bool hint_body(char *hint, size_t size, const struct json_at *at) {
     if (!is_kind(at->parent->key) || is_kind(at->key) ||
         !params_has_key(scene_body_params, scene_body_others, at->key))
         return false;
@@ -42,7 +42,7 @@ static bool hint_body(const struct json_at *at, char *hint, size_t size) {
     return true;
 }
 
-static bool hint_shape(const struct json_at *at, char *hint, size_t size) {
+static bool hint_shape(char *hint, size_t size, const struct json_at *at) {
     for (int k = 0; k < SCENE_KINDS; k++) {
         const struct scene_kind *kind = scene_kinds[k];
         if (!json_is_object(json_object_get(at->parent->value, kind->name)) ||
@@ -73,7 +73,7 @@ static bool chooses_vertices(const struct json_at *object) {
     return object->key && !strcmp(object->key, "vertices");
 }
 
-static bool hint_elsewhere(const struct json_at *at, char *hint, size_t size) {
+static bool hint_elsewhere(char *hint, size_t size, const struct json_at *at) {
     enum where other = is_in_fluid(at->parent) ? NOT_IN_FLUID : IN_FLUID;
     if (!at->parent->parent || is_constraint(at->parent, at->key) || chooses_vertices(at->parent))
         return false;
@@ -85,7 +85,7 @@ static bool hint_elsewhere(const struct json_at *at, char *hint, size_t size) {
     return false;
 }
 
-bool misplaced_hint(const struct json_at *at, char *hint, size_t size) {
-    return hint_body(at, hint, size) || hint_shape(at, hint, size) ||
-           hint_elsewhere(at, hint, size);
+bool misplaced_hint(char *hint, size_t size, const struct json_at *at) {
+    return hint_body(hint, size, at) || hint_shape(hint, size, at) ||
+           hint_elsewhere(hint, size, at);
 }

@@ -6,6 +6,6 @@
 
 /* Appends to a message the place of an unknown key that belongs to another object of the scene.
  * Returns false where none is known. */
-bool misplaced_hint(const struct json_at *at, char *hint, size_t size);
+bool misplaced_hint(char *hint, size_t size, const struct json_at *at);
 
 #endif

@@ -48,7 +48,7 @@ static pdyn_status fail_unknown(const struct json_at *at, const pdyn_param *tabl
     text_clip(key, sizeof key, at->key);
     if (array && params_has_key(table, others, array))
         text_append(hint, sizeof hint, "; did you mean \"%s.%s\"?", array, key);
-    else if (!misplaced_hint(at, hint, sizeof hint))
+    else if (!misplaced_hint(hint, sizeof hint, at))
         hint_append(hint, sizeof hint, at->key, names, count);
     return json_fail_at_key(at, "unknown key \"%s\"%s", key, hint);
 }

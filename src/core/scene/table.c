@@ -41,7 +41,7 @@ const char *table_part(const pdyn_param *param) {
     return parts[param_rows(param, 1, 2, 3)];
 }
 
-void table_describe(const pdyn_param *param, int rows, const char *lines, char *text, size_t size) {
+void table_describe(char *text, size_t size, const pdyn_param *param, int rows, const char *lines) {
     int width = param_width(param);
     if (rows) text_append(text, size, "%d ", rows);
     if (lines || width > 1) text_append(text, size, "%s of %d ", lines ? lines : "rows", width);
@@ -60,8 +60,8 @@ bool table_allows(const pdyn_param *param, const double *row, int column, double
     return value >= 0.0 && value < vertices && value == floor(value);
 }
 
-void table_describe_number(const pdyn_param *param, int column, int vertices, char *text,
-                           size_t size) {
+void table_describe_number(char *text, size_t size, const pdyn_param *param, int column,
+                           int vertices) {
     if (column >= param_vertices(param))
         params_describe_bounds(text, size, "a number", param->min, param->max, param->unit);
     else
@@ -73,7 +73,7 @@ void table_describe_number(const pdyn_param *param, int column, int vertices, ch
 
 static pdyn_status expected_table(const struct json_at *at, const pdyn_param *param, int rows) {
     char text[WHAT] = "an array of ";
-    table_describe(param, rows, NULL, text, sizeof text);
+    table_describe(text, sizeof text, param, rows, NULL);
     if (rows) text_append(text, sizeof text, ", or one row for all");
     return json_expected(at, text);
 }
@@ -88,7 +88,7 @@ static pdyn_status read_vertices(const struct json_at *at, const pdyn_param *par
         struct json_at number = width == 1 ? *at : json_element(at, (size_t)k);
         char expected[WHAT] = "";
         if (table_allows(param, row, k, row[k], vertices)) continue;
-        table_describe_number(param, k, vertices, expected, sizeof expected);
+        table_describe_number(expected, sizeof expected, param, k, vertices);
         status = json_expected(&number, expected);
     }
     return status;

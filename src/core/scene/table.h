@@ -23,13 +23,13 @@ uint64_t table_hash(uint64_t hash, const pdyn_param *params, const void *values)
 bool table_allows(const pdyn_param *param, const double *row, int column, double value,
                   int vertices);
 /* Appends what table_allows expects, e.g. "a vertex from 0 to 80". */
-void table_describe_number(const pdyn_param *param, int column, int vertices, char *text,
-                           size_t size);
+void table_describe_number(char *text, size_t size, const pdyn_param *param, int column,
+                           int vertices);
 
 /* What a row belongs to, e.g. "tetrahedron"; NULL: the table has any number of rows. */
 const char *table_part(const pdyn_param *param);
 /* Appends e.g. "24 LINES of 3 numbers, one per tetrahedron"; of rows of one number without LINES
  * where `lines` is NULL. rows 0: any number. */
-void table_describe(const pdyn_param *param, int rows, const char *lines, char *text, size_t size);
+void table_describe(char *text, size_t size, const pdyn_param *param, int rows, const char *lines);
 
 #endif

@@ -47,7 +47,7 @@ static pdyn_status fail_row(const struct scan *scan, int width, int found) {
 static pdyn_status fail_number(const struct scan *scan, const pdyn_param *p, int column,
                                int vertices) {
     char expected[WHAT] = "", word[WORD], found[WORD];
-    table_describe_number(p, column, vertices, expected, sizeof expected);
+    table_describe_number(expected, sizeof expected, p, column, vertices);
     snprintf(word, sizeof word, "%.*s", (int)strcspn(scan->at, ENDS), scan->at);
     text_clip(found, sizeof found, word);
     return set_error(PDYN_BAD_INPUT, "%.1024s:%ld: expected %s, found \"%s\"", scan->path,
@@ -77,7 +77,7 @@ static pdyn_status check_count(const struct scan *scan, const pdyn_param *param,
         if (found <= (size_t)(INT_MAX / param_width(param))) return PDYN_OK;
         return set_error(PDYN_BAD_INPUT, "%.1024s: more than %d numbers", scan->path, INT_MAX);
     }
-    table_describe(param, rows, "lines", expected, sizeof expected);
+    table_describe(expected, sizeof expected, param, rows, "lines");
     return set_error(PDYN_BAD_INPUT, "%.1024s: expected %s, found %zu", scan->path, expected,
                      found);
 }

@@ -209,7 +209,7 @@ static const char *fastest_body(const struct pdyn_sim *sim) {
 }
 
 /* The causes of a rise that the run has shown, for the message; "": none. */
-static void list_causes(const struct pdyn_sim *sim, char *text, size_t size) {
+static void list_causes(char *text, size_t size, const struct pdyn_sim *sim) {
     bool passed = warnings_has(&sim->warnings, WARNING_LEAK);
     bool overlap = sim->energy.density_error > normal_density_error;
     bool unsolved = warnings_has(&sim->warnings, WARNING_UNSOLVED);
@@ -229,7 +229,7 @@ pdyn_status energy_budget_check(struct pdyn_sim *sim, double h) {
     double budget = 2.0 * (e->start + stored + weight_times_height(sim)) + rest_energy(sim);
     if (kinetic <= budget) return PDYN_OK;
     char causes[256];
-    list_causes(sim, causes, sizeof causes);
+    list_causes(causes, sizeof causes, sim);
     return set_error(PDYN_DIVERGED,
                      "the kinetic energy rises to %.3g J, most of it in body \"%s\", but "
                      "gravity and everything else in the scene can give at most %.3g J%s",

@@ -172,7 +172,7 @@ static pdyn_status check_table(const struct batch *b, const pdyn_param *p, const
     if (good && rows) good = count == width || count / width == rows;
     good = good && allows_all(b, p, value, count);
     if (good) return PDYN_OK;
-    table_describe(p, rows, NULL, expected, sizeof expected);
+    table_describe(expected, sizeof expected, p, rows, NULL);
     if (param_vertices(p))
         text_append(expected, sizeof expected,
                     ", the first %d different vertices from 0 to %d, others", param_vertices(p),
