@@ -18,7 +18,10 @@
 #define SHEET_AT(name, height)                                                                     \
     GRID_SHEET("'name': '" name "', ", "0.16, 0.16", "9, 9",                                       \
                "'area_density': 0.2, 'translate': [0, " height ", 0]", SPRINGS("100"))
-#define HELD       SHEET(PINS("'box': {'minimum': [-9, -9, -9], 'maximum': [9, 9, 9]}"))
+#define HELD_AT(name, place)                                                                       \
+    GRID_SHEET("'name': '" name "', ", "0.16, 0.16", "9, 9",                                       \
+               "'area_density': 0.2, 'translate': [" place "]", PINS("'all': true"))
+#define HELD       SHEET(PINS("'all': true"))
 #define BORDER     SHEET(PINS("'border': true"))
 #define STEPS      "'time_step': {'fixed': 0.01}, 'frame_interval': 0.01, 'duration': 1"
 #define WEIGHTLESS STEPS ", 'gravity': [0, 0, 0]"
@@ -56,13 +59,7 @@ static void test_sheet(void **state) {
     assert_int_equal(leaks(SCENE(WEIGHTLESS, PAIR(DUST("0, 2, 0"), HELD), ""), "sheet", 8), 0);
 }
 
-#define SHIFTED(z)                                                                                 \
-    SCENE(WEIGHTLESS,                                                                              \
-          PAIR(DUST("0, -2, 0"),                                                                   \
-               GRID_SHEET("'name': 'sheet', ", "0.16, 0.16", "9, 9",                               \
-                          "'area_density': 0.2, 'translate': [0.085, 0, " z "]",                   \
-                          PINS("'box': {'minimum': [-9, -9, -9], 'maximum': [9, 9, 9]}"))),        \
-          "")
+#define SHIFTED(z) SCENE(WEIGHTLESS, PAIR(DUST("0, -2, 0"), HELD_AT("sheet", "0.085, 0, " z)), "")
 
 /* Half of the block is beside the sheet, and a sixth is closer to its border than a radius, also
  * where a triangle has a vertex on the border but no edge. */
@@ -91,14 +88,8 @@ static void test_rim(void **state) {
 /* Dust that is thrown up through the sheet and falls back is on its side again. */
 static void test_return(void **state) {
     (void)state;
-    const char *thrown =
-        SCENE(STEPS,
-              PAIR(DUST("0, 3, 0"),
-                   GRID_SHEET("'name': 'sheet', ", "0.16, 0.16", "9, 9",
-                              "'area_density': 0.2, 'translate': [0, 0.3, 0]",
-                              PINS("'box': {'minimum': [-9, -9, -9], 'maximum': [9, 9, 9]}"))),
-              "");
-    pdyn_sim *sim = test_open(thrown);
+    pdyn_sim *sim =
+        test_open(SCENE(STEPS, PAIR(DUST("0, 3, 0"), HELD_AT("sheet", "0, 0.3, 0")), ""));
     long most = 0, last = 0;
     for (int n = 0; n < 70; n++) {
         last = test_step(sim).leaked;
@@ -113,12 +104,9 @@ static void test_return(void **state) {
  * warning keeps the largest number and the time at which it was reached. */
 static void test_two_sheets(void **state) {
     (void)state;
-#define HIGH_SHEET(name, height)                                                                   \
-    GRID_SHEET("'name': '" name "', ", "0.16, 0.16", "9, 9",                                       \
-               "'area_density': 0.2, 'translate': [0, " height ", 0]",                             \
-               PINS("'box': {'minimum': [-9, -9, -9], 'maximum': [9, 9, 9]}"))
     pdyn_sim *sim = test_open(SCENE(
-        STEPS, PAIR(DUST("0, 3, 0"), PAIR(HIGH_SHEET("low", "0.3"), HIGH_SHEET("high", "0.36"))),
+        STEPS,
+        PAIR(DUST("0, 3, 0"), PAIR(HELD_AT("low", "0, 0.3, 0"), HELD_AT("high", "0, 0.36, 0"))),
         ""));
     long most = 0, last = 0;
     char reached[32] = "";
