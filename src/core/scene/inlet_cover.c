@@ -10,8 +10,8 @@
 
 #include "geometry/mesh_query.h"
 #include "inlet_motion.h"
-#include "overlap.h"
 #include "poses.h"
+#include "vessel.h"
 
 #include "projdyn/vec3.h"
 
@@ -55,7 +55,7 @@ static bool is_covered(const struct cover *c, int k) {
     double front[3];
     place_front(c, k, front);
     if (is_close(c, front)) return true;
-    if (c->solid->is_vessel) return overlap_is_behind_wall(c->solid, front, c->behind);
+    if (c->solid->is_vessel) return vessel_is_behind_wall(c->solid, front, c->behind);
     return c->inside && mesh_query_contains(&c->query, front);
 }
 
@@ -88,7 +88,7 @@ static bool flows_within_box(const struct cover *c) {
 static pdyn_status find_inside(pdyn_context *context, struct cover *c) {
     const struct scene_solid *solid = c->solid;
     if (solid->is_vessel) {
-        c->behind = flows_within_box(c) ? INFINITY : OVERLAP_BEHIND_WALLS * c->radius;
+        c->behind = flows_within_box(c) ? INFINITY : VESSEL_WALL_REACH * c->radius;
         return PDYN_OK;
     }
     pdyn_status closed = mesh_check_closed(context, &solid->mesh, solid->name);
@@ -105,7 +105,7 @@ static bool is_near(const struct cover *c) {
         place_front(c, k, front);
         box_add(&layer, front);
     }
-    box_grow(&layer, OVERLAP_BEHIND_WALLS * c->radius);
+    box_grow(&layer, VESSEL_WALL_REACH * c->radius);
     return box_overlaps(&layer, &solid);
 }
 

@@ -1,8 +1,8 @@
 #include "overlap.h"
 
 #include "geometry/mesh_query.h"
-#include "inlet_motion.h"
 #include "poses.h"
+#include "vessel.h"
 
 enum { GRAIN = 1024 }; /* particles per parallel block */
 
@@ -28,23 +28,11 @@ struct search {
     unsigned char *flag;
 };
 
-bool overlap_is_behind_wall(const struct scene_solid *vessel, const double rest[3],
-                            double distance) {
-    bool behind = false;
-    for (int side = 0; side < 6; side++) {
-        int a = side / 2;
-        double beyond = side % 2 ? rest[a] - vessel->box.max[a] : vessel->box.min[a] - rest[a];
-        if (beyond > distance) return false;
-        behind |= beyond > 0.0 && !(vessel->open >> side & 1u);
-    }
-    return behind;
-}
-
-/* The same of a point of the world at the start of the scene. */
+/* Whether a point of the world is behind a wall at the start of the scene. */
 static bool is_behind_wall(const struct scene_solid *vessel, const double x[3], double distance) {
     double rest[3];
     pose_to_rest(&vessel->motion, 0.0, x, rest);
-    return overlap_is_behind_wall(vessel, rest, distance);
+    return vessel_is_behind_wall(vessel, rest, distance);
 }
 
 static void flag_particles(void *arg, int first, int last, int block) {
@@ -116,7 +104,7 @@ static pdyn_status resolve_flagged(const struct json_at *at, struct scene_body *
 static bool is_near(const struct scene_body *body, const struct obstacle *o) {
     struct box water = box_around(body->start.x, body->start.count);
     struct box obstacle = box_around(o->mesh.vertex, o->mesh.vertices);
-    box_grow(&water, body->radius * (o->vessel ? OVERLAP_BEHIND_WALLS : 1.0));
+    box_grow(&water, body->radius * (o->vessel ? VESSEL_WALL_REACH : 1.0));
     return box_overlaps(&water, &obstacle);
 }
 
@@ -135,7 +123,7 @@ static pdyn_status resolve_near(const struct json_at *at, struct scene_body *bod
                             .distance = distance,
                             .closed = closed == PDYN_OK,
                             .vessel = body->keep_overlap ? NULL : o->vessel,
-                            .behind = OVERLAP_BEHIND_WALLS * body->radius,
+                            .behind = VESSEL_WALL_REACH * body->radius,
                             .flag = flag};
     pool_for(context->pool, body->start.count, GRAIN, flag_particles, &search);
     mesh_query_free(context, &query);
@@ -168,46 +156,6 @@ static pdyn_status resolve_solid(const struct json_at *at, struct scene_body *bo
     pdyn_status status = resolve_obstacle(at, body, &o);
     FREE_ARRAY(context, o.mesh.vertex, size);
     return status;
-}
-
-/* Whether the point is in the box of a solid as it stands at time 0. */
-static bool contains(const struct scene_solid *solid, const double x[3]) {
-    double at[3];
-    pose_to_rest(&solid->motion, 0.0, x, at);
-    return box_contains(&solid->box, at);
-}
-
-static bool contains_most(const struct scene_solid *solid, const struct point_list *points) {
-    int inside = 0;
-    for (int i = 0; i < points->count; i++) inside += contains(solid, points->x + 3 * (size_t)i);
-    return 2 * inside > points->count;
-}
-
-static bool contains_inlet(const struct scene_solid *solid, const struct scene_inlet *inlet) {
-    int inside = 0;
-    for (int i = 0; i < inlet->layer.count; i++) {
-        double x[3];
-        inlet_place(inlet, i, 0.0, 0.0, x);
-        inside += contains(solid, x);
-    }
-    return 2 * inside > inlet->layer.count;
-}
-
-static bool holds_fluid(const struct scene *scene, const struct scene_solid *solid) {
-    for (int b = 0; b < scene->bodies; b++) {
-        const struct scene_body *body = &scene->body[b];
-        if (contains_most(solid, &body->start)) return true;
-        for (int k = 0; k < body->inlets; k++)
-            if (contains_inlet(solid, &body->inlet[k])) return true;
-    }
-    return false;
-}
-
-void overlap_find_vessels(struct scene *scene) {
-    for (int k = 0; k < scene->solids; k++) {
-        struct scene_solid *solid = &scene->solid[k];
-        solid->is_vessel = solid->open || (solid->kind == SOLID_BOX && holds_fluid(scene, solid));
-    }
 }
 
 pdyn_status overlap_resolve(const struct json_at *at, const struct scene *scene,

@@ -11,6 +11,7 @@
 #include "overlap.h"
 #include "params.h"
 #include "reader.h"
+#include "vessel.h"
 
 #include <string.h>
 
@@ -185,7 +186,7 @@ static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
     if (status == PDYN_OK) status = read_outlets(r, &outlets);
     if (status == PDYN_OK) resolve_contact(r->scene);
     if (status == PDYN_OK) status = read_probes(r, &probes);
-    if (status == PDYN_OK) overlap_find_vessels(r->scene);
+    if (status == PDYN_OK) vessel_find_all(r->scene);
     if (status == PDYN_OK) status = reader_each(r, &bodies, resolve_overlap);
     return status == PDYN_OK ? reader_each(r, &bodies, resolve_all) : status;
 }
