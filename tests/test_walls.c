@@ -226,28 +226,44 @@ static double push_on(const char *scene) {
 #define RIGID(shape)                                                                               \
     "{'name': 'body', 'rigid': {" shape                                                            \
     ", 'density': 500}, 'constraints': [" PINS("'all': true") "]}"
-#define CRATE     RIGID("'box': {'minimum': [-0.103, 0.02, 0.03], 'maximum': [-0.003, 0.12, 0.13]}")
-#define ON_GROUND RIGID("'box': {'minimum': [-0.103, 0, 0.03], 'maximum': [-0.003, 0.1, 0.13]}")
-#define GROUND    "}, {'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 2}"
-#define BALL      RIGID("'sphere': {'center': [-0.063, 0.06, 0.08], 'radius': 0.06}")
+#define BOX(minimum, maximum) RIGID("'box': {'minimum': [" minimum "], 'maximum': [" maximum "]}")
+#define CRATE                 BOX("-0.103, 0.02, 0.03", "-0.003, 0.12, 0.13")
+#define ON_GROUND(x)          BOX("-0.1, 0, 0.03", x ", 0.1, 0.13")
+#define BELOW                 BOX("0.03, -0.1, 0.03", "0.13, 0, 0.13")
+#define SOFT                                                                                       \
+    "{'name': 'body', 'volume': {'grid': {'size': [0.1, 0.1, 0.1], 'cells': [5, 5, 5]}, "          \
+    "'translate': [-0.05, 0.07, 0.08], 'density': 500}, 'constraints': [{'type': 'tet', "          \
+    "'stiffness': 1e5}, " PINS("'all': true") "]}"
+#define GROUND "}, {'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 2}"
+#define BALL   RIGID("'sphere': {'center': [-0.063, 0.06, 0.08], 'radius': 0.06}")
 
-/* Water pushes nothing 0.15 spacings outside of a wall, where it lies on the ground, too, but what
- * lies on the wall or inside. */
+/* Water pushes no body outside of a wall: 0.15 spacings away, or in touch, up to rounding. It
+ * pushes a sheet that lies on the wall, and what is inside. */
 static void test_push(void **state) {
     (void)state;
-    const char *outside[] = {BESIDE(CRATE, UPRIGHT), BESIDE(CRATE, TURNED), BESIDE(BALL, UPRIGHT),
+    const char *outside[] = {BESIDE(CRATE, UPRIGHT),
+                             BESIDE(CRATE, TURNED),
+                             BESIDE(BALL, UPRIGHT),
                              BESIDE(SHEET("-0.003", "0, 0, 90"), UPRIGHT),
-                             BESIDE(ON_GROUND, UPRIGHT GROUND)};
-    const char *inside[] = {
-        BESIDE(SHEET("0", "0, 0, 90"), UPRIGHT), BESIDE(SHEET("-1e-4", "0, 0, 90"), UPRIGHT),
-        BESIDE(SHEET("-1e-4", "0, 0, 90"), TURNED), BESIDE(SHEET("0.003", "0, 0, 90"), UPRIGHT)};
-    for (int k = 0; k < 5; k++) {
+                             BESIDE(ON_GROUND("-0.003"), UPRIGHT GROUND),
+                             BESIDE(ON_GROUND("0"), UPRIGHT GROUND),
+                             BESIDE(ON_GROUND("0"), TURNED),
+                             BESIDE(ON_GROUND("1e-4"), UPRIGHT),
+                             BESIDE(BELOW, UPRIGHT),
+                             BESIDE(SOFT, UPRIGHT)};
+    const char *inside[] = {BESIDE(SHEET("0", "0, 0, 90"), UPRIGHT),
+                            BESIDE(SHEET("-1e-4", "0, 0, 90"), UPRIGHT),
+                            BESIDE(SHEET("-1e-4", "0, 0, 90"), TURNED),
+                            BESIDE(SHEET("0.003", "0, 0, 90"), UPRIGHT),
+                            BESIDE(BOX("0, 0, 0", "0.06, 0.06, 0.06"), UPRIGHT),
+                            BESIDE(BOX("-1e-4, 0.04, 0.04", "0.06, 0.1, 0.1"), UPRIGHT)};
+    for (int k = 0; k < 10; k++) {
         double push = push_on(outside[k]);
         if (push > 0.0) fail_msg("body %d outside feels %g N", k, push);
     }
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 6; k++) {
         double push = push_on(inside[k]);
-        if (push < 5.0) fail_msg("sheet %d inside feels %g N", k, push);
+        if (push < 5.0) fail_msg("body %d inside feels %g N", k, push);
     }
 }
 
@@ -276,6 +292,29 @@ static void test_pairs(void **state) {
     test_close(sim);
 }
 
+/* A sheet that lies on the wall x = 0, up to rounding, hides the points of the wall; a crate that
+ * stands on its other side hides none. */
+static void test_wall_points(void **state) {
+    (void)state;
+    const char *scenes[] = {BESIDE(SHEET("1e-12", "0, 0, 90"), UPRIGHT),
+                            BESIDE(ON_GROUND("1e-12"), UPRIGHT)};
+    for (int k = 0; k < 2; k++) {
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim = test_load(context, scenes[k]);
+        const pdyn_neighbours *l = neighbours_view(sim->objective.neighbours);
+        int seen = 0;
+        for (int i = 0; i < 512; i++)
+            for (int s = l->boundary_start[i]; s < l->end[i]; s++) {
+                const double *at = sim->boundary.at.x + 3 * (l->index[s] - l->particles);
+                bool middle = at[1] > 0.03 && at[1] < 0.1 && at[2] > 0.04 && at[2] < 0.12;
+                seen += at[0] < 0.0 && middle;
+            }
+        if (k ? seen < 100 : seen > 0) fail_msg("scene %d: %d pairs with the wall", k, seen);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_plane),   cmocka_unit_test(test_thin_box),
@@ -283,7 +322,7 @@ int main(void) {
         cmocka_unit_test(test_threads), cmocka_unit_test(test_failing_allocator),
         cmocka_unit_test(test_block),   cmocka_unit_test(test_outside),
         cmocka_unit_test(test_curtain), cmocka_unit_test(test_push),
-        cmocka_unit_test(test_pairs),
+        cmocka_unit_test(test_pairs),   cmocka_unit_test(test_wall_points),
     };
     return cmocka_run_group_tests_name("walls", tests, test_enter_directory, test_leave_directory);
 }

@@ -1,6 +1,7 @@
 /* Occlusion by triangles: clearance of points, and segments that meet a triangle. */
 #include "occlusion.h"
 
+#include "base/body.h"
 #include "geometry/distance.h"
 
 #include "projdyn/vec3.h"
@@ -12,6 +13,7 @@
 static bool resize_arrays(struct occlusion *s, enum array_action action) {
     const struct array_entry table[] = {
         ARRAY(s->corner, 3 * (size_t)s->triangles),
+        ARRAY(s->is_sheet, s->triangles),
         ARRAY(s->near_triangle, s->triangles),
         ARRAY(s->box, s->triangles),
         ARRAY(s->clearance, s->points),
@@ -22,9 +24,12 @@ static bool resize_arrays(struct occlusion *s, enum array_action action) {
 static pdyn_status fill(struct occlusion *s, int bodies, const pdyn_body *body) {
     if (!resize_arrays(s, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     int *corner = s->corner;
-    for (int b = 0; b < bodies; b++)
+    bool *is_sheet = s->is_sheet;
+    for (int b = 0; b < bodies; b++) {
         for (int k = 0; k < 3 * hiding_triangles(&body[b]); k++)
             *corner++ = body[b].first + body[b].triangle[k];
+        for (int k = 0; k < hiding_triangles(&body[b]); k++) *is_sheet++ = body_is_sheet(&body[b]);
+    }
     return bvh_create(s->context, s->triangles, &s->tree);
 }
 
@@ -73,7 +78,8 @@ struct query {
     const double *from, *to;
     struct box box; /* region of the search */
     double nearest; /* squared distance to the nearest triangle so far, m^2 */
-    double touch;   /* m; `to` lies on a triangle whose plane is closer, which does not block */
+    double touch;   /* m; `to` lies on a triangle whose plane is closer, which does not block, but
+                       for one of a sheet */
     bool blocked;
 };
 
@@ -146,7 +152,9 @@ static void test_blocking(void *user, int id) {
         for (int k = 0; k < 3; k++)
             c[k][a] = q->occlusion->x[3 * (size_t)corner[k] + (size_t)a] - q->from[a];
     }
-    if (segment_meets_triangle(d, c, q->touch) && !goes_around(q, id, d, c)) q->blocked = true;
+    bool is_sheet = q->occlusion->is_sheet[q->occlusion->near_triangle[id]];
+    if (segment_meets_triangle(d, c, is_sheet ? 0.0 : q->touch) && !goes_around(q, id, d, c))
+        q->blocked = true;
 }
 
 bool occlusion_is_clear(const struct occlusion *s, int i, double distance) {

@@ -14,6 +14,7 @@ struct occlusion {
     int points;                  /* particles of the system, samples, boundary points */
     int triangles;               /* of all surfaces */
     int *corner;                 /* triangles x 3: particles of the system */
+    bool *is_sheet;              /* triangles: of a sheet */
     int near_count;              /* number of triangles near the query points */
     int *near_triangle;          /* triangles, near_count in use: these triangles */
     struct box *box;             /* triangles, near_count in use: their bounding boxes, m */
@@ -51,7 +52,7 @@ bool occlusion_is_near(const struct occlusion *occlusion, int i);
 bool occlusion_blocks(const struct occlusion *occlusion, int i, const double *a, int j,
                       const double *b);
 /* The same between any two places, without clearances. A triangle whose plane is closer to `to`
- * than `touch`, m, does not count. */
+ * than `touch`, m, does not count, unless it is of a sheet. */
 bool occlusion_separates(const struct occlusion *occlusion, const double *from, const double *to,
                          double touch);
 

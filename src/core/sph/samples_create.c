@@ -1,4 +1,5 @@
 /* Creation of surface samples: points on the surfaces of bodies, and their volumes at rest. */
+#include "base/body.h"
 #include "geometry/sampling.h"
 #include "point_volumes.h"
 #include "surface_samples.h"
@@ -16,6 +17,7 @@ static bool resize_arrays(struct surface_samples *s, enum array_action action) {
         ARRAY(s->volume, count),
         ARRAY(s->rest_volume, count),
         ARRAY(s->rest_area, count),
+        ARRAY(s->has_inside, count),
         ARRAY(s->share, count),
         ARRAY(s->near, count),
         ARRAY(s->active, count),
@@ -56,6 +58,7 @@ static void place(struct surface_samples *s, const pdyn_body *body,
         memcpy(s->weight + 3 * (first + k), point->weight, sizeof point->weight);
         surface_point_position(point, &mesh, s->x + 3 * (size_t)(first + k));
         s->rest_area[first + k] = point->area;
+        s->has_inside[first + k] = !body_is_sheet(body);
     }
 }
 

@@ -23,6 +23,7 @@ struct surface_samples {
     double *volume;      /* count, m^3: current volume in SPH sums (boundary.h) */
     double *rest_volume; /* count, m^3: volume at rest */
     double *rest_area;   /* count, m^2: area at rest of the surface that the sample represents */
+    bool *has_inside;    /* count: its body is a volume or rigid, and lies behind the triangle */
     double *share;       /* count, m: volume over the area of the sample's triangle; constant */
     int near_count;      /* samples that a neighbour list may contain soon (neighbours.h) */
     int *near;           /* near_count: their indices */

@@ -95,6 +95,14 @@ static const double *frozen_position(const struct neighbours *n, int i) {
                          : n->boundary_x + 3 * (size_t)(i - particles);
 }
 
+/* A point this close to a triangle of a solid, a volume or a rigid body, in particle spacings, lies
+ * on it, and the triangle does not hide it. No wall hides the samples of a sheet that is held
+ * there.
+ */
+static const double touch = 0.01;
+
+static double touch_distance(const struct neighbours *n) { return touch * cbrt(n->centre_volume); }
+
 static bool is_hidden(const struct neighbours *n, int i, int j) {
     return occlusion_blocks(n->visibility.occlusion, i, frozen_position(n, i), j,
                             frozen_position(n, j));
@@ -114,15 +122,16 @@ static bool find_on_face(const double *a, const double *point, const double *fac
 }
 
 /* Whether a surface hides boundary point j from particle i. Behind the face of a vessel are things
- * outside of it, as a crate beside a tank: they hide nothing from the fluid inside. */
+ * outside of it, as a crate beside a tank: they hide nothing from the fluid inside, even if they
+ * touch the face. A sheet on the face hides it. */
 static bool is_point_hidden(const struct neighbours *n, int i, int j) {
     const struct visibility *v = &n->visibility;
-    const double *a = frozen_position(n, i),
+    const double *a = frozen_position(n, i), *point = frozen_position(n, j),
                  *face = v->face_x + 3 * (size_t)(j - n->view.particles);
     double at[3];
     if (!is_hidden(n, i, j)) return false;
-    return !find_on_face(a, frozen_position(n, j), face, at) ||
-           occlusion_separates(v->occlusion, a, at, 0.0);
+    return occlusion_separates(v->occlusion, a, find_on_face(a, point, face, at) ? at : point,
+                               touch_distance(n));
 }
 
 /* Whether fluid particle j was in the previous list of i. */
@@ -237,13 +246,29 @@ static void hide(void *arg, int first, int last, int block) {
 
 /* ---- walls ----------------------------------------------------------------------------------- */
 
-/* A sample this close to a wall, in particle spacings, lies on it, as those of a sheet that is held
- * there: this wall hides it from neither side. */
-static const double touch = 0.01;
-
-/* Position of sample j at which visibility is decided, m. */
+/* Position of sample j when visibility is decided, m. */
 static void frozen_sample(const struct neighbours *n, int j, double at[3]) {
     samples_at(n->visibility.samples, j - n->system, n->visibility.frozen_x, at);
+}
+
+/* A body with an inside that touches a wall is on the side of the wall on which this point is: as
+ * far behind the triangle of sample j and from the sides of the triangle, m. */
+static void find_inside(const struct neighbours *n, int j, double depth, double at[3]) {
+    const struct surface_samples *s = n->visibility.samples;
+    int sample = j - n->system;
+    double normal[3], weight[3], sum = 0.0;
+    const double *x[3];
+    samples_normal(s, sample, n->visibility.frozen_x, normal);
+    double twice_area = vec3_normalise(normal);
+    for (int k = 0; k < 3; k++)
+        x[k] = n->visibility.frozen_x + 3 * (size_t)s->vertex[3 * sample + k];
+    for (int k = 0; k < 3; k++) {
+        double side = vec3_distance(x[(k + 1) % 3], x[(k + 2) % 3]);
+        weight[k] = fmax(s->weight[3 * sample + k], fmin(depth * side / twice_area, 1.0 / 3.0));
+        sum += weight[k];
+    }
+    for (int a = 0; a < 3; a++) at[a] = -depth * normal[a];
+    for (int k = 0; k < 3; k++) vec3_add(at, weight[k] / sum, x[k]);
 }
 
 static void find_sample_clearances(void *arg, int first, int last, int block) {
@@ -263,8 +288,9 @@ static bool is_behind_wall(const struct neighbours *n, int i, int j) {
     int sample = j - n->system;
     double at[3];
     if (occlusion_is_clear(walls, sample, n->surface_reach)) return false;
-    frozen_sample(n, j, at);
-    return occlusion_separates(walls, frozen_position(n, i), at, touch * cbrt(n->centre_volume));
+    if (n->visibility.samples->has_inside[sample]) find_inside(n, j, 2.0 * touch_distance(n), at);
+    else frozen_sample(n, j, at);
+    return occlusion_separates(walls, frozen_position(n, i), at, touch_distance(n));
 }
 
 /* Removes samples behind walls from the lists of centres, and centres from those of samples. */
