@@ -299,8 +299,7 @@ static void test_wall_points(void **state) {
     const char *scenes[] = {BESIDE(SHEET("1e-12", "0, 0, 90"), UPRIGHT),
                             BESIDE(ON_GROUND("1e-12"), UPRIGHT)};
     for (int k = 0; k < 2; k++) {
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim = test_load(context, scenes[k]);
+        pdyn_sim *sim = test_open(scenes[k]);
         const pdyn_neighbours *l = neighbours_view(sim->objective.neighbours);
         int seen = 0;
         for (int i = 0; i < 512; i++)
@@ -310,8 +309,7 @@ static void test_wall_points(void **state) {
                 seen += at[0] < 0.0 && middle;
             }
         if (k ? seen < 100 : seen > 0) fail_msg("scene %d: %d pairs with the wall", k, seen);
-        pdyn_free(sim);
-        pdyn_destroy(context);
+        test_close(sim);
     }
 }
 

@@ -95,7 +95,7 @@ pdyn_status contact_place(struct contact *c, const double *x) {
     gather(c, x, c->at);
     contact_set_start_positions(c);
     pdyn_status status = contact_local(c, x);
-    return status == PDYN_OK ? contact_check(c) : status;
+    return status == PDYN_OK ? contact_check(c, c->body.first, c->body.count) : status;
 }
 
 /* ---- the beginning of a step, and its end where it failed ------------------------------------ */
@@ -151,14 +151,14 @@ static pdyn_status find_common_motion(struct contact *c, const double *x, const 
     pdyn_status status = common_motion_find(c);
     c->common.known = true;
     set_paths(c, x, target);
-    return status == PDYN_OK ? contact_shorten_paths(c) : status;
+    return status == PDYN_OK ? contact_shorten_paths(c, CONTACT_GAP) : status;
 }
 
 pdyn_status contact_filter_start(struct contact *c, const double *x, double *target) {
     double start = clock_ms();
     copy_solids(c, c->begin, solids_in(c, c->at));
     set_paths(c, x, target);
-    pdyn_status status = contact_shorten_paths(c);
+    pdyn_status status = contact_shorten_paths(c, CONTACT_GAP);
     if (status == PDYN_OK && !c->common.known && contact_least(c) < 1.0)
         status = find_common_motion(c, x, target);
     for (int i = 0; i < c->free; i++)
@@ -176,7 +176,7 @@ pdyn_status contact_filter(struct contact *c, const double *x, double *direction
     gather(c, x, c->path.x);
     gather(c, direction, c->path.step);
     for (size_t k = 0; k < solid_numbers(c); k++) solids_in(c, c->path.step)[k] = 0.0;
-    pdyn_status status = contact_shorten_paths(c);
+    pdyn_status status = contact_shorten_paths(c, CONTACT_LEAST);
     for (int i = 0; i < c->free; i++)
         if (c->path.taken[i] < 1.0)
             memcpy(direction + 3 * c->column[i], c->path.step + 3 * i, 3 * sizeof *direction);
@@ -190,7 +190,7 @@ pdyn_status contact_advance(struct contact *c, const double *x) {
     gather(c, x, c->path.x);
     memset(c->path.step, 0, 3 * (size_t)c->free * sizeof *c->path.step);
     step_solids(c);
-    pdyn_status status = contact_shorten_paths(c);
+    pdyn_status status = contact_shorten_paths(c, CONTACT_GAP);
     move_solids(c);
     c->ms += clock_ms() - start;
     return status;

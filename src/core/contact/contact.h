@@ -42,9 +42,9 @@ void contact_free(struct contact *contact);
  */
 void contact_hold(struct contact *contact, int body, bool held);
 
-/* Fails where two triangles intersect, or a pair is closer than CONTACT_LEAST permits. After
- * contact_local. */
-pdyn_status contact_check(struct contact *contact);
+/* Fails where two triangles intersect, or a pair with one of `count` particles from `first` on is
+ * closer than CONTACT_GAP permits. After contact_local. */
+pdyn_status contact_check(struct contact *contact, int first, int count);
 
 /* Writes or reads what the next step depends on. */
 void contact_persist(struct contact *contact, struct snapshot_file *snapshot);

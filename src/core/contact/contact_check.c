@@ -105,14 +105,22 @@ static pdyn_status check_intersections(const struct contact *c) {
     return PDYN_OK;
 }
 
-static pdyn_status check_distances(const struct contact *c) {
+static bool has_particle(const pdyn_contact *contact, int first, int count) {
+    for (int k = 0; k < 4; k++) {
+        int i = contact->particle[k];
+        if (contact->coefficient[k] != 0.0 && i >= first && i - first < count) return true;
+    }
+    return false;
+}
+
+static pdyn_status check_distances(const struct contact *c, int first, int count) {
     for (int e = 0; e < c->current.view.count; e++) {
         const int *point = c->current.stencil[e].point;
         const pdyn_contact *contact = &c->current.contact[e];
         const double *at = c->at + 3 * (size_t)point[0];
         double distance = vec3_length(contact->separation);
-        double least = CONTACT_LEAST * contact->thickness;
-        if (distance >= least) continue;
+        double least = CONTACT_GAP * contact->thickness;
+        if (distance >= least || !has_particle(contact, first, count)) continue;
         return set_error(
             PDYN_BAD_INPUT,
             "contact: \"%s\" and \"%s\" are %.3g m apart at (%g, %g, %g), "
@@ -123,7 +131,7 @@ static pdyn_status check_distances(const struct contact *c) {
     return PDYN_OK;
 }
 
-pdyn_status contact_check(struct contact *c) {
+pdyn_status contact_check(struct contact *c, int first, int count) {
     pdyn_status status = check_intersections(c);
-    return status == PDYN_OK ? check_distances(c) : status;
+    return status == PDYN_OK ? check_distances(c, first, count) : status;
 }

@@ -96,6 +96,7 @@ struct pair_list {   /* what the broad phase found */
 
 /* Displacements without collision (contact_paths.c). */
 struct contact_paths {
+    double least;            /* of contact_shorten_paths */
     double *x;               /* points x 3, m: where a path begins */
     double *step;            /* points x 3, m: displacement */
     double *length;          /* points, m: its length */
@@ -173,8 +174,11 @@ void contact_side(const struct contact *contact, const struct pair *pair, double
 bool contact_is_beyond_flat_side(const struct contact *contact, const struct pair *pair,
                                  const struct hit *hit);
 
-/* No path brings the points of a pair closer than this part of its thickness. */
-#define CONTACT_LEAST 0.0625
+/* Parts of the thickness of a pair. No path to the start of a step and no motion of a solid brings
+ * its points closer than CONTACT_GAP. No path of an iterate brings them closer than CONTACT_LEAST:
+ * the force there stops fast and heavy bodies. */
+#define CONTACT_GAP   0.0625
+#define CONTACT_LEAST 1e-3
 
 /* Gives points that are not in their regions, with their displacement from x by step (points x 3;
  * NULL: none), new ones, and all points if these are many or the list of pairs is not complete;
@@ -199,8 +203,9 @@ pdyn_status contact_search_pairs(struct contact *contact);
 void contact_measure_moved(struct contact *contact, const double *x);
 void contact_free_pairs(struct contact *contact);
 
-/* Shortens contact->path.step from contact->path.x to free paths; sets contact->path.taken. */
-pdyn_status contact_shorten_paths(struct contact *contact);
+/* Shortens contact->path.step from contact->path.x to free paths, which bring no pair closer than
+ * this part of its thickness; sets contact->path.taken. */
+pdyn_status contact_shorten_paths(struct contact *contact, double least);
 
 /* Sets contact->common.displacement from the paths x and step of all points, which are not
  * shortened. */

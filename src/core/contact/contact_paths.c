@@ -16,9 +16,9 @@ struct round {
 
 /* The distance that a path leaves a pair, m: half of its distance or thickness (a quarter after the
  * first round), so that only pairs in contact are stopped. */
-static double kept(const struct pair *p, double distance, int round) {
+static double kept(const struct contact *c, const struct pair *p, double distance, int round) {
     double some = (round ? 0.25 : 0.5) * fmin(distance, p->thickness);
-    return fmax(some, fmin(distance, CONTACT_LEAST * p->thickness));
+    return fmax(some, fmin(distance, c->path.least * p->thickness));
 }
 
 static bool was_cut(const struct contact *c, const struct pair *p) {
@@ -33,7 +33,7 @@ static double free_part(const struct contact *c, const struct pair *p, int round
     const double *x[4], *d[4];
     double unused[4], approach = pair_largest(p, c->path.length);
     pair_load(p->point, c->path.x, x);
-    double distance = sqrt(kind->closest(x, unused)), keep = kept(p, distance, round);
+    double distance = sqrt(kind->closest(x, unused)), keep = kept(c, p, distance, round);
     if (distance - approach >= keep) return 1.0;
     pair_load(p->point, c->path.step, d);
     if (distance - pair_closing_bound(kind, d) >= keep) return 1.0;
@@ -105,7 +105,8 @@ static bool shorten(struct contact *c) {
     return true;
 }
 
-pdyn_status contact_shorten_paths(struct contact *c) {
+pdyn_status contact_shorten_paths(struct contact *c, double least) {
+    c->path.least = least;
     pdyn_status status = contact_update_pairs(c, c->path.x, c->path.step);
     struct round round = {.contact = c};
     for (int i = 0; i < c->points; i++) {

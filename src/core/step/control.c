@@ -164,7 +164,7 @@ static pdyn_status place(struct pdyn_sim *sim, int first, int count, const doubl
     copy_live(sim, first, count, x, sim->x);
     rigid_fit_positions(sim, first, count);
     pdyn_status status = contact ? contact_local(contact, sim->x) : PDYN_OK;
-    return status == PDYN_OK && contact ? contact_check(contact) : status;
+    return status == PDYN_OK && contact ? contact_check(contact, first, count) : status;
 }
 
 /* Whether x, count x 3, has one place for all live particles of a body, two or more; x: of the
