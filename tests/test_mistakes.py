@@ -250,7 +250,7 @@ MISTAKES = [
     Mistake("a floor of a square kilometre", change(*WATER_ONLY, ("solids.0", {
         "name": "floor", "plane": {"center": [0, 0, 0], "normal": [0, 1, 0], "size": 1000}})), 'a side of "floor" has 1e+06 m^2, too many for points', codes=(2, 2)),
     Mistake("a rigid mesh in millimetres", change(("bodies.0", None), ("bodies.0", {"name": "scan", "rigid": {"mesh": "huge.obj", "translate": [0, 1100, 0], "density": 500}})),
-            "m; they are 1e+03 m and 0.4 m long", codes=(2, 2)),
+            "m; the meshes are 1e+03 m and 0.4 m long", codes=(2, 2)),
     Mistake("a probe in millimetres", change(("probes", [{"name": "gauge", "point": [100, 50, 0]}])), "[probe]"),
     # found in steps
     Mistake("too few iterations", change(("solver", {"outer_iterations": 1, "linear_iterations": 2})), "[unsolved]"),

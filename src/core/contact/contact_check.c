@@ -87,7 +87,7 @@ static pdyn_status fail_intersecting(const struct contact *c, int e, int f) {
     return set_error(
         PDYN_BAD_INPUT,
         "contact: triangle %d of \"%s\" and triangle %d of \"%s\" intersect, near "
-        "(%.3g, %.3g, %.3g) m; they are %.3g m and %.3g m long: leave a gap between them",
+        "(%.3g, %.3g, %.3g) m; the meshes are %.3g m and %.3g m long: leave a gap between them",
         triangle_number(c, edge, 2), c->name[one], triangle_number(c, face, 3), c->name[other],
         x[0], x[1], x[2], extent_of_group(c, one), extent_of_group(c, other));
 }
