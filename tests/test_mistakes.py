@@ -208,6 +208,9 @@ MISTAKES = [
             'of a layer of inlet 0, the first at', '[blocked]'),
     Mistake("an inlet in a ball", change(("bodies.0.particles", {"radius": 0.02, "inlets": [JET]}), ("solids.1", {
         "name": "ball", "sphere": {"center": [0, 0.1, 0], "radius": 0.08}}), *WATER_ONLY), 'solid "ball" covers', codes=(2, 2)),
+    Mistake("an inlet in a rigid ball", change(("bodies.0.particles", {"radius": 0.02, "inlets": [JET]}), ("bodies.1", {
+        "name": "ball", "rigid": {"sphere": {"center": [0, 0.2, 0], "radius": 0.12}, "density": 500}})),
+            'water: inlet 0 is inside of the rigid body "ball", near', "outside of it [blocked]"),
     Mistake("a rigid ball inside a solid one", change(("bodies.0", None), ("bodies.0", {**MARBLE}), ("solids.1", {
         "name": "jail", "sphere": {"center": [0, 0.2, 0], "radius": 0.1}})), '"jail" [overlap]'),
     Mistake("cloth far coarser than the water",

@@ -46,25 +46,42 @@ static bool is_in_way(const struct mesh_query *surface, const struct scene_inlet
     return false;
 }
 
+/* Whether a particle of a layer enters inside of the surface of a rigid body; x: where, m. */
+static bool is_within(const struct mesh_query *surface, const struct scene_inlet *inlet,
+                      double x[3]) {
+    for (int k = 0; k < inlet->layer.count; k++) {
+        inlet_place(inlet, k, 0.0, 0.0, x);
+        if (mesh_query_contains(surface, x)) return true;
+    }
+    return false;
+}
+
 static void check_way(struct pdyn_sim *sim, const pdyn_body *body, int number,
-                      const struct mesh_query *surface, const char *name) {
+                      const struct mesh_query *query, const struct scene_body *surface) {
     const struct scene_inlet *inlet = &sim->scene.body[body - sim->body].inlet[number];
     double spacing = 2.0 * body->radius, x[3];
-    if (is_in_way(surface, inlet, spacing, x))
+    if (is_in_way(query, inlet, spacing, x))
         WARN(sim, BLOCKED, body->name,
              "inlet %d moves its layers through \"%s\", near (%.4g, %.4g, %.4g) m; expected no "
              "surface from %.4g m behind the opening to %.4g m in front of it",
-             number, name, x[0], x[1], x[2], INLET_BEHIND * spacing, INLET_STAGGER * spacing);
+             number, surface->name, x[0], x[1], x[2], INLET_BEHIND * spacing,
+             INLET_STAGGER * spacing);
+    else if (surface->is_rigid && is_within(query, inlet, x))
+        WARN(sim, BLOCKED, body->name,
+             "inlet %d is inside of the rigid body \"%s\", near (%.4g, %.4g, %.4g) m, and contact "
+             "keeps there what enters; expected an opening outside of it",
+             number, surface->name, x[0], x[1], x[2]);
 }
 
-/* Layers move through a surface that lies in their way: no step solves that with contact. */
+/* Layers move through a surface that lies in their way: no step solves that with contact. A sheet
+ * may hold what enters inside of it, as a balloon does; a rigid body is solid there. */
 static pdyn_status check_ways(struct pdyn_sim *sim, const struct scene_body *surface) {
     struct mesh_query query;
     pdyn_status status = mesh_query_create(sim->context, &surface->mesh, &query);
     if (status != PDYN_OK) return status;
     for (int b = 0; b < sim->bodies; b++)
         for (int k = 0; k < sim->scene.body[b].inlets; k++)
-            check_way(sim, &sim->body[b], k, &query, surface->name);
+            check_way(sim, &sim->body[b], k, &query, surface);
     mesh_query_free(sim->context, &query);
     return PDYN_OK;
 }
