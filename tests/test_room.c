@@ -97,6 +97,18 @@ static void test_heavy_rod(void **state) {
     assert_false(is_too_light(SCENE(STEPS, LAYERS("", ROD_OF("2200")), "")));
 }
 
+#define SHOT_OF(density)                                                                           \
+    "{'name': 'cube', 'rigid': {'box': {'minimum': [-0.005, 0.1, -0.005], 'maximum': [0.005, "     \
+    "0.11, 0.005]}, 'density': " density "}}"
+
+/* A cube half as long as a spacing exceeds its water by an eighth of the density times a layer: one
+ * of steel by less than a layer, one of gold by more. */
+static void test_heavy_shot(void **state) {
+    (void)state;
+    assert_true(is_too_light(SCENE(STEPS, LAYERS("", SHOT_OF("7800")), "")));
+    assert_false(is_too_light(SCENE(STEPS, LAYERS("", SHOT_OF("19300")), "")));
+}
+
 /* The density of a rigid body is mass over volume: of this ball 1000 kg/m^3 and a rounding error.
  * It is as heavy as the water. */
 static void test_neutral(void **state) {
@@ -180,6 +192,7 @@ int main(void) {
         cmocka_unit_test(test_room_by_kind),
         cmocka_unit_test(test_heavy),
         cmocka_unit_test(test_heavy_rod),
+        cmocka_unit_test(test_heavy_shot),
         cmocka_unit_test(test_neutral),
         cmocka_unit_test(test_room_around_ball),
         cmocka_unit_test(test_gaps_long),

@@ -95,23 +95,30 @@ static double middle_side(const struct box *box) {
     return sum - shortest_side(box) - box_extent(box);
 }
 
+/* Part of the section across the shortest side that a body fills. Particles make way for it over a
+ * section that is at least a spacing, m, long and wide. */
+static double filled_section(const struct box *box, double spacing) {
+    return fmin(1.0, middle_side(box) / spacing) * fmin(1.0, box_extent(box) / spacing);
+}
+
 /* Mass that a body exceeds its water by, kg/m^2: of a sheet per area, of a closed body along its
- * shortest side, m. Half of the thickness lies around a rigid body. */
+ * shortest side. Half of the thickness lies around a rigid body. */
 static double excess_of(const struct pdyn_sim *sim, int b, const pdyn_body *fluid,
-                        double shortest) {
+                        const struct box *box) {
     const struct scene_body *body = &sim->scene.body[b];
     double thickness = thickness_in(sim, fluid), displaced = fluid->rest_density;
+    double height = shortest_side(box) * filled_section(box, 2.0 * fluid->radius);
     if (!(body->density > 0.0)) return body->area_density - displaced * thickness;
     if (body->is_rigid)
         displaced *= 1.0 + 0.5 * thickness * mesh_area(&body->mesh) * body->density / body->mass;
-    return (body->density - displaced) * shortest;
+    return (body->density - displaced) * height;
 }
 
 /* A sheet, or a body that is denser than the fluid. */
 static void check_sinking(struct pdyn_sim *sim, int b, const pdyn_body *fluid, bool sheet) {
     const char *name = sim->scene.body[b].name, *wet = sheet ? ", or `permeability`" : "";
     struct box box = extent_of_body(sim, &sim->body[b]);
-    double shortest = shortest_side(&box), excess = excess_of(sim, b, fluid, shortest);
+    double shortest = shortest_side(&box), excess = excess_of(sim, b, fluid, &box);
     bool flat = sheet || shortest <= (1.0 + rounding) * flatness * middle_side(&box);
     double most = (flat ? flat_share : thick_share) * 2.0 * fluid->radius * fluid->rest_density;
     if (excess < 0.0)
