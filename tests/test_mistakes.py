@@ -208,6 +208,9 @@ MISTAKES = [
             'of a layer of inlet 0, the first at', '[blocked]'),
     Mistake("an inlet in a ball", change(("bodies.0.particles", {"radius": 0.02, "inlets": [JET]}), ("solids.1", {
         "name": "ball", "sphere": {"center": [0, 0.1, 0], "radius": 0.08}}), *WATER_ONLY), 'solid "ball" covers', codes=(2, 2)),
+    Mistake("a crate closer to the floor than the contact thickness", change(("bodies.0", None), ("bodies.0", {
+        "name": "crate", "rigid": {"box": {"minimum": [-0.1, 0.001, -0.1], "maximum": [0.1, 0.201, 0.1]}, "density": 500}})),
+            'it starts 0.001 m from "tank"', "leave a gap of its `thickness`, 0.004 m, or take a smaller one [too-close]"),
     Mistake("an inlet in a rigid ball", change(("bodies.0.particles", {"radius": 0.02, "inlets": [JET]}), ("bodies.1", {
         "name": "ball", "rigid": {"sphere": {"center": [0, 0.2, 0], "radius": 0.12}, "density": 500}})),
             'water: inlet 0 is inside of the rigid body "ball", near', "outside of it [blocked]"),

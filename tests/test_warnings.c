@@ -402,6 +402,20 @@ static void test_momentum_beside_fluid(void **state) {
     assert_true(hash[0] == hash[1]);
 }
 
+#define ABOVE_FLOOR(bottom)                                                                        \
+    SCENE(STEPS,                                                                                   \
+          "{'name': 'cube', 'rigid': {'box': {'minimum': [0, " bottom                              \
+          ", 0], 'maximum': [0.1, 0.2, 0.1]}, 'density': 500}}",                                   \
+          ", 'solids': [{'name': 'floor', 'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], "    \
+          "'size': 1}}]" CONTACT("0.01"))
+
+/* A cube that starts above a floor, at less than half of the thickness and at more. */
+static void test_gap(void **state) {
+    (void)state;
+    assert_true(warns(ABOVE_FLOOR("0.004"), "too-close", "cube"));
+    assert_false(warns(ABOVE_FLOOR("0.006"), "too-close", "cube"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_saved),
@@ -416,6 +430,7 @@ int main(void) {
         cmocka_unit_test(test_no_stiffness),
         cmocka_unit_test(test_places),
         cmocka_unit_test(test_far),
+        cmocka_unit_test(test_gap),
         cmocka_unit_test(test_closed_tops),
         cmocka_unit_test(test_momentum),
         cmocka_unit_test(test_momentum_of_bending),

@@ -46,6 +46,14 @@ void contact_hold(struct contact *contact, int body, bool held);
  * closer than CONTACT_GAP permits. After contact_local. */
 pdyn_status contact_check(struct contact *contact, int first, int count);
 
+struct contact_gap { /* two surfaces, or a surface and a solid, that are in contact */
+    const char *name[2];
+    double distance, thickness, x[3]; /* m: of the pair that is closest for its thickness; where */
+};
+/* Finds that pair in the contacts of the last local step. distance and thickness are 1 if there is
+ * none. */
+struct contact_gap contact_smallest_gap(const struct contact *contact);
+
 /* Writes or reads what the next step depends on. */
 void contact_persist(struct contact *contact, struct snapshot_file *snapshot);
 

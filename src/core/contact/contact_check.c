@@ -135,3 +135,19 @@ pdyn_status contact_check(struct contact *c, int first, int count) {
     pdyn_status status = check_intersections(c);
     return status == PDYN_OK ? check_distances(c, first, count) : status;
 }
+
+struct contact_gap contact_smallest_gap(const struct contact *c) {
+    struct contact_gap least = {.distance = 1.0, .thickness = 1.0};
+    for (int e = 0; e < c->current.view.count; e++) {
+        const int *point = c->current.stencil[e].point;
+        const pdyn_contact *contact = &c->current.contact[e];
+        int one = c->group[point[0]], other = c->group[point[3]];
+        if (one == other || is_particle(c, point[0])) continue;
+        if (contact->distance * least.thickness >= least.distance * contact->thickness) continue;
+        least = (struct contact_gap){.name = {c->name[one], c->name[other]},
+                                     .distance = contact->distance,
+                                     .thickness = contact->thickness};
+        memcpy(least.x, c->at + 3 * (size_t)point[0], sizeof least.x);
+    }
+    return least;
+}

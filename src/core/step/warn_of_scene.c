@@ -1,4 +1,5 @@
 /* Warnings about a scene: values that are legal but surely not meant. */
+#include "contact/contact.h"
 #include "extent.h"
 #include "geometry/mesh_query.h"
 #include "sim.h"
@@ -190,6 +191,21 @@ static pdyn_status check_places(struct pdyn_sim *sim, int b) {
     return status;
 }
 
+/* Surfaces this part of the thickness apart press with the stiffness times the thickness, which by
+ * default carries the heaviest body on one vertex. */
+static const double min_gap = 0.5;
+
+/* Surfaces that contact throws apart at the start: one warning for the closest. */
+static void check_gap(struct pdyn_sim *sim) {
+    if (!sim->objective.contact) return;
+    struct contact_gap gap = contact_smallest_gap(sim->objective.contact);
+    if (gap.distance < min_gap * gap.thickness)
+        WARN(sim, TOO_CLOSE, gap.name[0],
+             "it starts %.3g m from \"%s\", near (%.4g, %.4g, %.4g) m, and contact throws them "
+             "apart; leave a gap of its `thickness`, %.3g m, or take a smaller one",
+             gap.distance, gap.name[1], gap.x[0], gap.x[1], gap.x[2], gap.thickness);
+}
+
 /* Free surfaces that something could stop: one warning for all. */
 static void check_contact(struct pdyn_sim *sim) {
     if (sim->scene.contact.thickness > 0.0 && !sim->scene.has_contact)
@@ -287,6 +303,7 @@ pdyn_status warn_of_scene(struct pdyn_sim *sim) {
     check_elements(sim);
     for (int k = 0; k < sim->constraints; k++) check_stiffness(sim, k);
     check_contact(sim);
+    check_gap(sim);
     pdyn_status status = warn_of_flow(sim);
     warn_of_values(sim);
     warn_of_water(sim);
