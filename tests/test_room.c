@@ -185,16 +185,11 @@ static void test_gaps_long(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_weightless),
-        cmocka_unit_test(test_drawn),
-        cmocka_unit_test(test_room),
-        cmocka_unit_test(test_room_above),
-        cmocka_unit_test(test_room_by_kind),
-        cmocka_unit_test(test_heavy),
-        cmocka_unit_test(test_heavy_rod),
-        cmocka_unit_test(test_heavy_shot),
-        cmocka_unit_test(test_neutral),
-        cmocka_unit_test(test_room_around_ball),
+        cmocka_unit_test(test_weightless),   cmocka_unit_test(test_drawn),
+        cmocka_unit_test(test_room),         cmocka_unit_test(test_room_above),
+        cmocka_unit_test(test_room_by_kind), cmocka_unit_test(test_heavy),
+        cmocka_unit_test(test_heavy_rod),    cmocka_unit_test(test_heavy_shot),
+        cmocka_unit_test(test_neutral),      cmocka_unit_test(test_room_around_ball),
         cmocka_unit_test(test_gaps_long),
     };
     return cmocka_run_group_tests_name("room", tests, NULL, NULL);
