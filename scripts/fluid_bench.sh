@@ -1,6 +1,5 @@
 #!/bin/sh
-# Measures speed and error of the fluid (bench/fluid.c) and writes out/fluid.csv, and bench/fluid.csv when all
-# runs ended well. `quick`: small sizes, printed only.
+# Measures speed and error of the fluid (bench/fluid.c) and writes out/fluid.csv. `quick`: small sizes, printed only.
 set -eu
 cd "$(dirname "$0")/.."
 scripts/build.sh >/dev/null
@@ -25,7 +24,6 @@ quick) run; run 17 1 fast 0.1; run 17 2 accurate 0.1; run 17 2 cfl 0.1 ;;
 "")
     mkdir -p out
     measure >out/fluid.csv
-    cp out/fluid.csv bench/fluid.csv
     ;;
 *) echo "usage: scripts/fluid_bench.sh [quick]" >&2; exit 2 ;;
 esac
