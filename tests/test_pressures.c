@@ -80,7 +80,7 @@ static void test_very_stiff(void **state) {
 }
 
 /* The other solver continues a step that takes many times the work of the steps before it, with the
- * damping that it had itself, and stays in use; both have the cost of that step. The first one gets
+ * damping that it had itself, and is on trial; both have the cost of that step. The first one gets
  * its own damping back. */
 static void test_surprise(void **state) {
     (void)state;
@@ -102,6 +102,9 @@ static void test_surprise(void **state) {
     assert_int_equal(sim->choice.active, 1);
     assert_true(sim->choice.slot[0].cost > 0.0);
     assert_true(sim->choice.slot[0].cost == sim->choice.slot[1].cost);
+    solver_choice_open(sim);
+    sim->objective.work += 2 * (int64_t)sim->choice.slot[0].cost;
+    assert_true(solver_choice_has_lost(sim, 1));
     assert_true(solver_choice_hand_over(sim));
     assert_true(sim->eps == 0.25);
     test_close(sim);

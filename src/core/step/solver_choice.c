@@ -190,7 +190,7 @@ static bool is_worse(const struct solver_choice *c) {
 }
 
 /* Decides a trial, or after a step that failed. shared: the other solver began the step. Returns
- * whether the solver in use stays for a while. */
+ * whether the next step has the solver in use. */
 static bool decide(struct pdyn_sim *sim, bool shared) {
     struct solver_choice *c = &sim->choice;
     bool failed = dual_has_failed(sim), lost = shared && c->trial;
@@ -202,6 +202,7 @@ static bool decide(struct pdyn_sim *sim, bool shared) {
     if (lost) c->used = TRIAL; /* its cost is the mean that it had */
     bool decided = lost || shared || (c->trial && c->used == TRIAL);
     if (decided) wait_for_trial(sim, lost);
+    c->trial = c->trial || (shared && !lost); /* the solver that ended the step is on trial */
     return decided;
 }
 
