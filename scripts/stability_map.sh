@@ -7,10 +7,10 @@ cd "$(dirname "$0")/.."
 scripts/install.sh gnuplot-nox
 scripts/build.sh
 out=out/stability
+rm -rf "$out" # sweep keeps runs that are there
 mkdir -p "$out"
 csv=$out/stability.csv
 echo "scene,step,h,w,status,residual,kinetic_J,linear" >"$csv"
-steps=20
 map() { # NAME SCENE PATH OF THE WEIGHT, OPTIONS...
     name=$1 scene=$2 path=$3
     shift 3
