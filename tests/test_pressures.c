@@ -2,6 +2,9 @@
 #include "support.h"
 
 #include "../src/solvers/remainder_solve.h"
+#include "step/line_search.h"
+
+#include <string.h>
 
 /* A block of 8 x 5 x 8 particles falls on a sheet that is held at its border. */
 #define POUR(solver, stiffness) POUR_ON(solver, stiffness, "0.3", "3000")
@@ -206,6 +209,34 @@ static void test_remainder_error(void **state) {
     test_close(sim);
 }
 
+/* A step of twice the way to the minimum, from water that is 0.1 mm too high. */
+static struct line_step overshoot(pdyn_sim *sim, double eps) {
+    struct objective *o = &sim->objective;
+    const pdyn_body *water = &sim->body[0];
+    struct line_step step;
+    double energy;
+    memcpy(sim->x_next, sim->x, objective_bytes(o));
+    memset(sim->direction, 0, objective_bytes(o));
+    for (int i = water->first; i < water->first + water->count; i++)
+        sim->x_next[3 * i + 1] += 1e-4, sim->direction[3 * i + 1] = -2e-4;
+    assert_int_equal(objective_local(o, sim->x_next, &energy, sim->gradient), PDYN_OK);
+    sim->eps = eps;
+    assert_int_equal(line_search(sim, 2.0 * energy, &energy, &step), PDYN_OK);
+    return step;
+}
+
+/* Under "dual" damping shortens steps that are too long, and at its largest value the line search.
+ */
+static void test_overshoot(void **state) {
+    (void)state;
+    pdyn_sim *sim = test_open(POUR("'type': 'dual', 'tolerance': 0.01", "1e5"));
+    while (pdyn_time(sim) < 0.05) test_step(sim);
+    struct line_step damped = overshoot(sim, 0.5), largest = overshoot(sim, 1.0);
+    assert_true(damped.length == 1.0 && damped.slope_after > -0.7 * damped.slope);
+    assert_true(largest.length == 0.5 && fabs(largest.slope_after) < -0.1 * largest.slope);
+    test_close(sim);
+}
+
 static void test_threads(void **state) {
     (void)state;
     const char *scene = POUR("'outer_iterations': 50", "1e5");
@@ -220,7 +251,8 @@ int main(void) {
         cmocka_unit_test(test_same_motion),     cmocka_unit_test(test_stiff),
         cmocka_unit_test(test_very_stiff),      cmocka_unit_test(test_surprise),
         cmocka_unit_test(test_trial),           cmocka_unit_test(test_work),
-        cmocka_unit_test(test_remainder_error), cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_remainder_error), cmocka_unit_test(test_overshoot),
+        cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests_name("pressures", tests, NULL, NULL);
 }

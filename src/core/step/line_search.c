@@ -113,10 +113,13 @@ static pdyn_status backtrack(struct pdyn_sim *sim, const struct rule *rule, doub
     return PDYN_OK;
 }
 
+/* Damping shortens the steps of a dual solver. The conditions count where there is no more of it: a
+ * particle between surfaces went to and fro there until the last iteration. */
 pdyn_status line_search(struct pdyn_sim *sim, double highest, double *energy,
                         struct line_step *step) {
     struct rule rule = {.bound = *energy, .armijo = armijo_part, .curvature = wolfe_part};
-    if (sim->solver->dual) rule.bound = highest, rule.armijo = rule.curvature = 0.0;
+    if (sim->solver->dual && sim->eps < 1.0)
+        rule.bound = highest, rule.armijo = rule.curvature = 0.0;
     pdyn_status status = backtrack(sim, &rule, energy, step);
     if (status != PDYN_OK) return status;
     if (step->length == 0.0)
