@@ -78,8 +78,8 @@ struct query {
     const double *from, *to;
     struct box box; /* region of the search */
     double nearest; /* squared distance to the nearest triangle so far, m^2 */
-    double touch;   /* m; `to` lies on a triangle whose plane is closer, which does not block, but
-                       for one of a sheet */
+    double touch;   /* m; `to` lies on a triangle whose plane is closer. Such a triangle does not
+                       block, unless it is of a sheet */
     bool blocked;
 };
 
