@@ -128,13 +128,11 @@ static void test_default(void **state) {
              "1]}}, 'velocity': [0, 1e6, 0]}]"),
          "stiffness", 1e15},
     };
-    pdyn_context *own = test_context(1);
     for (int k = 0; k < COUNT(cases); k++) {
-        pdyn_sim *sim = test_load(own, cases[k].text);
+        pdyn_sim *sim = test_open(cases[k].text);
         assert_near(k, cases[k].name, parameter(sim, cases[k].name), cases[k].value);
-        pdyn_free(sim);
+        test_close(sim);
     }
-    pdyn_destroy(own);
 }
 
 /* ---- a tank at rest -------------------------------------------------------------------------- */

@@ -360,8 +360,7 @@ static const char pool_scene[] = SCENE(
  * of the water, which is more than its weight; that of the water has no load. */
 static void test_loads(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, pool_scene);
+    pdyn_sim *sim = test_open(pool_scene);
     for (int step = 0; step < 20; step++) test_step(sim);
     const struct objective_body *water = &sim->objective.body[0], *sheet = water + 1;
     int n = sim->objective.particles;
@@ -373,8 +372,8 @@ static void test_loads(void **state) {
     assert_true(water->load == 0.0);
     assert_true(pdyn_get_body(sim, 1).residual <= 1e-7);
     free(force);
-    pdyn_free(sim);
-    sim = test_load(context, tank_scene);
+    test_close(sim);
+    sim = test_open(tank_scene);
     assert_null(sim->objective.without_load); /* no scratch where there are no loads */
     test_close(sim);
 }

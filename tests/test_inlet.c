@@ -136,16 +136,14 @@ static void test_covered(void **state) {
          0},
         {BESIDE("{'sphere': {'center': [0, 0, 0], 'radius': 0.2}}", ""), 0, 0},
     };
-    pdyn_context *context = test_context(1);
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        pdyn_sim *sim = test_load(context, cases[k].text);
+        pdyn_sim *sim = test_open(cases[k].text);
         const struct scene_inlet *inlet = &sim->scene.body[0].inlet[0];
         assert_int_equal(inlet->left_out.count, cases[k].left_out);
         assert_int_equal(inlet->covered.count, cases[k].covered);
         assert_int_equal(pdyn_get_body(sim, 0).live, 2 * (64 - cases[k].left_out));
-        pdyn_free(sim);
+        test_close(sim);
     }
-    pdyn_destroy(context);
 }
 
 /* Half of an opening reaches into the floor of a channel: the flow stays calm. */

@@ -280,17 +280,15 @@ static void write_piston(double gap, char text[2048]) {
  * that layer before it. */
 static void test_piston_long(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
     for (double gap = 0.0; gap < 0.9; gap += 0.2) {
         char text[2048];
         write_piston(gap, text);
-        pdyn_sim *sim = test_load(context, text);
+        pdyn_sim *sim = test_open(text);
         const pdyn_state s = pdyn_get_state(sim);
         while (pdyn_time(sim) < 0.0199) assert_int_equal(test_step(sim).leaked, 0);
         for (int i = 0; i < s.particles; i++) assert_true(s.x[3 * i] > 0.1 - 0.02 * gap);
-        pdyn_free(sim);
+        test_close(sim);
     }
-    pdyn_destroy(context);
 }
 
 /* ---- promises of a step ---------------------------------------------------------------------- */

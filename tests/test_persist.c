@@ -304,23 +304,20 @@ static void test_changed_meshes(void **state) {
     static const char *const cut[] = {"2 4 0\n1 1 3 4 5\n2 2 3 4 5\n",
                                       "3 4 0\n1 1 2 3 4\n2 1 2 4 5\n3 1 2 5 3\n"};
     for (int k = 1; k < 3; k++) {
-        pdyn_context *context = test_context(1);
         for (int changed = 0; changed < 2; changed++) {
             test_write_text("rock.obj", rock[changed && k == 1]);
             test_write_text("soft.node",
                             "5 3 0 0\n1 0 1 0\n2 0 -1 0\n3 1 0 0\n4 -1 0 1\n5 -1 0 -1\n");
             test_write_text("soft.ele", cut[changed && k == 2]);
-            pdyn_sim *sim = test_load(
-                context,
+            pdyn_sim *sim = test_open(
                 "{'duration': 1, 'bodies': [{'volume': {'mesh': 'soft.ele', 'density': 500}, "
                 "'constraints': [{'type': 'spring', 'stretching_stiffness': 100}]}], "
                 "'solids': [{'mesh': 'rock.obj'}]}");
             if (!changed) assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
             if (changed) assert_int_equal(pdyn_restore(sim, "state"), PDYN_BAD_INPUT);
             if (changed) assert_error("meshes");
-            pdyn_free(sim);
+            test_close(sim);
         }
-        pdyn_destroy(context);
     }
     test_remove_file("rock.obj"), test_remove_file("soft.node"), test_remove_file("soft.ele");
     test_remove_file("state");

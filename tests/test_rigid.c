@@ -70,18 +70,16 @@ static double mass_of_two(double size, double at, int flips, int warnings) {
 /* A mesh has the same mass whichever way its triangles face. */
 static void test_mixed(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
     for (int inwards = 0; inwards <= ALL_FACES; inwards++) {
         char text[256] = "";
         add_tetrahedron(text, sizeof text, 0, 1, 0, inwards);
         test_write_text("mixed.obj", text);
-        pdyn_sim *sim = test_load(context, "{'duration': 1, 'bodies': [{'rigid': {'mesh': "
-                                           "'mixed.obj', 'density': 6}}]}");
+        pdyn_sim *sim = test_open("{'duration': 1, 'bodies': [{'rigid': {'mesh': "
+                                  "'mixed.obj', 'density': 6}}]}");
         assert_true(fabs(sim->scene.body[0].mass - 1.0) < 1e-12);
-        pdyn_free(sim);
+        test_close(sim);
     }
     test_remove_file("mixed.obj");
-    pdyn_destroy(context);
 }
 
 /* Pieces of a mesh have the same mass whichever way they face; a piece inside another is a hollow.

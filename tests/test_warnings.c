@@ -303,10 +303,8 @@ static void test_far(void **state) {
 static void test_closed_tops(void **state) {
     (void)state;
     static const char *const open[] = {"solids.0.open=[\"+y\"]", "solids.0.open=[\"-y\",\"+y\"]"};
-    pdyn_context *context = test_context(1);
     for (int duct = 0; duct < 2; duct++) {
-        pdyn_sim *sim = test_load_with(
-            context,
+        pdyn_sim *sim = test_open_with(
             SCENE("'duration': 1, 'gravity': [0, 0, -9.81]",
                   FLUID_BOX("'name': 'water', ", "0.02", "0.1, 0.1, 0", "0.2, 0.2, 0.1", ""),
                   ", 'solids': [{'name': 'tank', 'box': {'minimum': [0, 0, 0], 'maximum': [0.3, "
@@ -314,9 +312,8 @@ static void test_closed_tops(void **state) {
             &open[duct], 1);
         pdyn_warning w = find_warning(sim, "unusual", "tank");
         assert_true(duct ? !w.code : !!w.code && strstr(w.text, "its open side +y is a side wall"));
-        pdyn_free(sim);
+        test_close(sim);
     }
-    pdyn_destroy(context);
 }
 
 /* ---- a type that lacks PDYN_ANCHORED --------------------------------------------------------- */
