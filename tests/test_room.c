@@ -43,7 +43,7 @@ static bool lacks_room(const char *scene) { return warns(scene, "too-close", "wa
 
 /* A sheet between two layers of water, half a spacing from each: too close for the thickness of
  * 0.3 spacings. Not for one of 0.2, without contact, for points that know no thickness, and for
- * particles that are to be kept. */
+ * particles that are to be kept, even a third of the thickness from the sheet. */
 static void test_room(void **state) {
     (void)state;
     assert_true(lacks_room(SCENE(STEPS, LAYERS("", SHEET_AT("sheet", "0")), CONTACT("0.006"))));
@@ -53,6 +53,8 @@ static void test_room(void **state) {
                                   ", 'boundary': 'points'" CONTACT("0.006"))));
     assert_false(lacks_room(
         SCENE(STEPS, LAYERS("'overlap': 'keep', ", SHEET_AT("sheet", "0")), CONTACT("0.006"))));
+    assert_false(lacks_room(
+        SCENE(STEPS, LAYERS("'overlap': 'keep', ", SHEET_AT("sheet", "0.008")), CONTACT("0.006"))));
 }
 
 /* Above the water: half a spacing from the particles, and farther by what water rests from it. */
