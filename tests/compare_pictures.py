@@ -48,7 +48,7 @@ def legend(name, k, left, right):
     picture, top = pictures[name], 9 + 45 * k
     row = lambda y, low, high: [picture[480 * y + x] for x in range(low, high)]
     for what, first in (("title", top + 4), ("values", top + 27)):
-        dark = sum(max(p) < 110 for y in range(first, first + 11) for p in row(y, 350, 474))
+        dark = sum(max(p) < 150 for y in range(first, first + 11) for p in row(y, 350, 474))
         expect(f"{name}: {what} of the legend", dark, 25)
     strip = row(top + 21, 330, 474)
     for what, ends, colour in (("left", strip[:70], left), ("right", strip[-20:], right)):

@@ -113,8 +113,8 @@ static pdyn_status backtrack(struct pdyn_sim *sim, const struct rule *rule, doub
     return PDYN_OK;
 }
 
-/* Damping shortens the steps of a dual solver. The conditions count where there is no more of it: a
- * particle between surfaces went to and fro there until the last iteration. */
+/* Under a dual solver damping shortens steps that are too long, and the conditions count only at
+ * the largest damping. Without them a particle between surfaces goes to and fro there. */
 pdyn_status line_search(struct pdyn_sim *sim, double highest, double *energy,
                         struct line_step *step) {
     struct rule rule = {.bound = *energy, .armijo = armijo_part, .curvature = wolfe_part};
