@@ -34,10 +34,13 @@ static void test_drawn(void **state) {
     "{'name': 'cube', 'volume': {'grid': {'size': [0.12, 0.12, 0.12], 'cells': [4, 4, 4]}, "       \
     "'translate': [0, 0.12, 0], 'density': 500}, 'constraints': [{'type': 'tet', 'stiffness': "    \
     "1e4}]}"
-#define CUBE_OF(density)                                                                           \
-    "{'name': 'cube', 'rigid': {'box': {'minimum': [-0.06, 0.06, -0.06], 'maximum': [0.06, 0.18, " \
-    "0.06]}, 'density': " density "}}"
-#define RIGID_CUBE CUBE_OF("500")
+/* A rigid box between two corners, "x, y, z" in m */
+#define RIGID_BOX(minimum, maximum, density)                                                       \
+    "{'name': 'cube', 'rigid': {'box': {'minimum': [" minimum "], 'maximum': [" maximum            \
+    "]}, 'density': " density "}}"
+#define CUBE_OF(density) RIGID_BOX("-0.06, 0.06, -0.06", "0.06, 0.18, 0.06", density)
+#define ROD_OF(density)  RIGID_BOX("-0.06, 0.1, -0.01", "0.06, 0.12, 0.01", density)
+#define SHOT_OF(density) RIGID_BOX("-0.005, 0.1, -0.005", "0.005, 0.11, 0.005", density)
 
 static bool lacks_room(const char *scene) { return warns(scene, "too-close", "water"); }
 
@@ -68,7 +71,7 @@ static void test_room_above(void **state) {
 /* A rigid body has the thickness of contact, a soft one and a sheet that water passes have none. */
 static void test_room_by_kind(void **state) {
     (void)state;
-    assert_true(lacks_room(SCENE(STEPS, LAYERS("", RIGID_CUBE), CONTACT("0.006"))));
+    assert_true(lacks_room(SCENE(STEPS, LAYERS("", CUBE_OF("500")), CONTACT("0.006"))));
     assert_false(lacks_room(SCENE(STEPS, LAYERS("", SOFT_CUBE), CONTACT("0.006"))));
     assert_false(lacks_room(SCENE(STEPS, LAYERS("", WET_SHEET), CONTACT("0.006"))));
 }
@@ -87,10 +90,6 @@ static void test_heavy(void **state) {
     assert_false(is_too_light(SCENE(STEPS, LAYERS("", CUBE_OF("950")), CONTACT("0.004"))));
 }
 
-#define ROD_OF(density)                                                                            \
-    "{'name': 'cube', 'rigid': {'box': {'minimum': [-0.06, 0.1, -0.01], 'maximum': [0.06, 0.12, "  \
-    "0.01]}, 'density': " density "}}"
-
 /* A rod as thick as a spacing exceeds its water by 0.7 and 1.2 of a layer: water carries it like a
  * cube, not like a plate. */
 static void test_heavy_rod(void **state) {
@@ -98,10 +97,6 @@ static void test_heavy_rod(void **state) {
     assert_true(is_too_light(SCENE(STEPS, LAYERS("", ROD_OF("1700")), "")));
     assert_false(is_too_light(SCENE(STEPS, LAYERS("", ROD_OF("2200")), "")));
 }
-
-#define SHOT_OF(density)                                                                           \
-    "{'name': 'cube', 'rigid': {'box': {'minimum': [-0.005, 0.1, -0.005], 'maximum': [0.005, "     \
-    "0.11, 0.005]}, 'density': " density "}}"
 
 /* A cube half as long as a spacing exceeds its water by an eighth of the density times a layer: one
  * of steel by less than a layer, one of gold by more. */
@@ -122,7 +117,8 @@ static void test_neutral(void **state) {
               CONTACT("0.002"))));
 }
 
-/* The distances of particles from a ball are any: those that are too close have room elsewhere. */
+/* Particles that start too close to a ball are no row of a lattice along its surface: the water
+ * moves away from them, and nothing warns. */
 static void test_room_around_ball(void **state) {
     (void)state;
     assert_false(lacks_room(

@@ -237,8 +237,9 @@ static double push_on(const char *scene) {
 #define GROUND "}, {'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 2}"
 #define BALL   RIGID("'sphere': {'center': [-0.063, 0.06, 0.08], 'radius': 0.06}")
 
-/* Water pushes no body outside of a wall: 0.15 spacings away, or in touch, up to rounding. It
- * pushes a sheet that lies on the wall, and what is inside. */
+/* Water pushes nothing that stands 0.15 spacings outside of a wall, and no crate, cube or ball that
+ * touches it from there, up to rounding. It pushes sheets that lie on the wall, and all that is
+ * inside of the tank. */
 static void test_push(void **state) {
     (void)state;
     const char *outside[] = {BESIDE(CRATE, UPRIGHT),

@@ -118,8 +118,7 @@ static pdyn_status check_distances(const struct contact *c, int first, int count
         const int *point = c->current.stencil[e].point;
         const pdyn_contact *contact = &c->current.contact[e];
         const double *at = c->at + 3 * (size_t)point[0];
-        double distance = vec3_length(contact->separation);
-        double least = CONTACT_GAP * contact->thickness;
+        double distance = contact->distance, least = CONTACT_GAP * contact->thickness;
         if (distance >= least || !has_particle(contact, first, count)) continue;
         return set_error(
             PDYN_BAD_INPUT,

@@ -202,7 +202,7 @@ static bool decide(struct pdyn_sim *sim, bool shared) {
     if (lost) c->used = TRIAL; /* its cost is the mean that it had */
     bool decided = lost || shared || (c->trial && c->used == TRIAL);
     if (decided) wait_for_trial(sim, lost);
-    c->trial = c->trial || (shared && !lost); /* the solver that ended the step is on trial */
+    if (shared && !lost) c->trial = true; /* of the solver that ended the step */
     return decided;
 }
 

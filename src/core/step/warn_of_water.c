@@ -139,7 +139,7 @@ static void check_sinking(struct pdyn_sim *sim, int b, const pdyn_body *fluid, b
 static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     const struct scene_body *body = &sim->scene.body[b];
     double spacing = 2.0 * fluid->radius, layer = fluid->rest_density * spacing;
-    bool sheet = body->area_density > 0.0;
+    bool sheet = body_is_sheet(&sim->body[b]);
     if (body_is_particles(&sim->body[b]) || sim->body[b].permeability > 0.0) return;
     if (sheet && is_closed(&sim->body[b])) return;
     if (warn_is_held(body) && !is_drawn(sim, b, fluid)) return;
