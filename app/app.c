@@ -165,7 +165,8 @@ int report_usage(char **argv, const char *expected, const char *usage) {
 static bool is_one_word(const char *path) {
     bool plain = *path;
     for (; *path; path++)
-        plain &= isalnum((unsigned char)*path) || *path < 0 || strchr("/._-+,:@%=", *path);
+        plain &= isalnum((unsigned char)*path) || (unsigned char)*path > 127 ||
+                 strchr("/._-+,:@%=", *path);
     return plain;
 }
 
