@@ -1,11 +1,11 @@
 #include "energy_budget.h"
 
 #include "base/param_kind.h"
+#include "extent.h"
 #include "inlets.h"
 #include "live_particles.h"
 #include "measure.h"
 #include "schedule.h"
-#include "sim.h"
 
 #include "projdyn/vec3.h"
 
@@ -33,12 +33,6 @@ static double total_mass(const struct pdyn_sim *sim) {
     double mass = 0.0;
     for (int i = 0; i < sim->objective.particles; i++) mass += sim->objective.mass[i];
     return mass;
-}
-
-/* Height of a particle, m: against gravity. */
-static double height_of(const struct pdyn_sim *sim, const double *x) {
-    const double *g = sim->scene.settings.gravity, length = vec3_length(g);
-    return length > 0.0 ? -vec3_dot(x, g) / length : 0.0;
 }
 
 /* ---- sources of energy ----------------------------------------------------------------------- */
@@ -130,7 +124,7 @@ static void measure_start(struct pdyn_sim *sim) {
     e->lowest = far, e->window = -far, e->highest = e->top = -far;
     for (int i = 0; i < sim->objective.particles; i++)
         if (particle_is_live(sim, i))
-            e->highest = fmax(e->highest, height_of(sim, sim->x + 3 * (size_t)i));
+            e->highest = fmax(e->highest, extent_height(sim, sim->x + 3 * (size_t)i));
     e->opened = true;
 }
 
@@ -158,7 +152,7 @@ static void measure_block(void *arg, int first, int last, int block) {
         const double *x = sim->x_next + 3 * (size_t)i;
         if (!particle_is_live(sim, i)) continue;
         double speed = vec3_distance(x, sim->x + 3 * (size_t)i) / job->h;
-        double height = height_of(sim, x);
+        double height = extent_height(sim, x);
         sum.kinetic += 0.5 * sim->objective.mass[i] * speed * speed;
         sum.highest = fmax(sum.highest, height), sum.lowest = fmin(sum.lowest, height);
     }

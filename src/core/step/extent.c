@@ -35,14 +35,18 @@ struct box extent_of_scene(const struct pdyn_sim *sim) {
     return box;
 }
 
+double extent_height(const struct pdyn_sim *sim, const double *x) {
+    const double *g = sim->scene.settings.gravity, length = vec3_length(g);
+    return length > 0.0 ? -vec3_dot(x, g) / length : 0.0;
+}
+
 double extent_floor(const struct pdyn_sim *sim) {
     struct box box = extent_of_scene(sim);
-    const double *g = sim->scene.settings.gravity;
-    double height = INFINITY, length = fmax(vec3_length(g), 1e-300);
+    double height = INFINITY;
     for (int k = 0; k < 8; k++) {
         double corner[3];
         for (int a = 0; a < 3; a++) corner[a] = k >> a & 1 ? box.max[a] : box.min[a];
-        height = fmin(height, -vec3_dot(g, corner) / length);
+        height = fmin(height, extent_height(sim, corner));
     }
     return height - vec3_distance(box.min, box.max);
 }

@@ -18,7 +18,10 @@ struct box extent_of_solids(const struct pdyn_sim *sim, int but);
 /* The bounding box of all solids at rest positions and all live particles. */
 struct box extent_of_scene(const struct pdyn_sim *sim);
 
-/* The height, m, against gravity, below which a particle fell out of the scene: it is as far below
+/* The height of a place, m, against gravity; 0 without gravity. */
+double extent_height(const struct pdyn_sim *sim, const double *x);
+
+/* The height, m, below which a particle fell out of the scene: it is as far below
  * everything in the scene now as that is wide and high. */
 double extent_floor(const struct pdyn_sim *sim);
 

@@ -2,8 +2,8 @@
 #include "contact/contact.h"
 #include "crossings.h"
 #include "energy_budget.h"
+#include "extent.h"
 #include "live_particles.h"
-#include "sim.h"
 #include "warn.h"
 
 #include "projdyn/vec3.h"
@@ -161,14 +161,12 @@ static void warn_waiting(struct pdyn_sim *sim) {
 
 /* ---- particles that fell out of the scene ---------------------------------------------------- */
 
-/* Particles of body b lower than `level`, m. */
-static int count_below(const struct pdyn_sim *sim, int b, double level) {
-    const double *g = sim->scene.settings.gravity;
-    const pdyn_body *body = &sim->body[b];
-    double limit = level * vec3_length(g);
+/* Particles of the body that fell out of the scene. */
+static int count_fallen(const struct pdyn_sim *sim, const pdyn_body *body) {
     int count = 0;
     for (int i = body->first; i < body->first + body->count; i++)
-        count += particle_is_live(sim, i) && -vec3_dot(g, sim->x + 3 * (size_t)i) < limit;
+        count +=
+            particle_is_live(sim, i) && extent_height(sim, sim->x + 3 * (size_t)i) < sim->floor;
     return count;
 }
 
@@ -186,7 +184,7 @@ static void warn_fallen(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++) {
         if ((removed && !sim->scene.body[b].has_mesh) || sim_pins_body(sim, b)) continue;
         bool particles = body_is_particles(&sim->body[b]);
-        int count = count_below(sim, b, sim->floor);
+        int count = count_fallen(sim, &sim->body[b]);
         if (!count) continue;
         struct warning *w = sim_warning(sim, WARNING_FELL_OUT, sim->body[b].name, 0, count);
         w->count = count;
