@@ -5,22 +5,15 @@
 #include "carried.h"
 #include "impacts.h"
 #include "live_particles.h"
+#include "momentum.h"
 #include "rigid_bodies.h"
 
 #include "projdyn/vec3.h"
 
 #include <string.h>
 
-/* Subtracts momentum, N s, that rounding has added to a system whose constraints cannot, so that it
- * does not accumulate over many steps. */
-static void subtract_momentum(struct pdyn_sim *sim, const double excess[3]) {
-    if (sim->anchored) return;
-    double mass = live_mass(sim);
-    for (int k = 0; k < 3 * sim->objective.particles; k++)
-        if (particle_is_live(sim, k / 3)) sim->v[k] -= excess[k % 3] / mass;
-}
-
-/* v = (x_next - from) / h. */
+/* v = (x_next - from) / h, without the momentum, N s, that rounding adds to a system whose
+ * constraints cannot: it would accumulate over many steps. */
 static void compute_velocities(struct pdyn_sim *sim, const double *from, double h) {
     const double h_e = sim->objective.h;
     double excess[3] = {0};
@@ -32,7 +25,7 @@ static void compute_velocities(struct pdyn_sim *sim, const double *from, double 
             sim->v[k] = v;
         }
     }
-    subtract_momentum(sim, excess);
+    momentum_subtract(sim, excess, sim->v);
 }
 
 /* ---- unsolved steps -------------------------------------------------------------------------- */
@@ -77,7 +70,7 @@ static void remove_energy_gain(struct pdyn_sim *sim, double h, double rise) {
         excess[k % 3] += objective->mass[k / 3] * (v - sim->v[k]);
         sim->v[k] = v;
     }
-    subtract_momentum(sim, excess);
+    momentum_subtract(sim, excess, sim->v);
 }
 
 /* After an unsolved step, computes the velocities of Euler's method, v = (x_next - x) / h. With the
