@@ -83,7 +83,7 @@ static pdyn_status fail_value(const struct batch *b, const pdyn_param *p, const 
 static pdyn_status check_value(const struct batch *b, const pdyn_param *p, const double *value,
                                int count) {
     char expected[160] = "";
-    int numbers = p->kind == PDYN_VECTOR ? 3 : 1, fit = 0;
+    int numbers = param_numbers(p), fit = 0;
     while (fit < count && value[fit] >= p->min && value[fit] <= p->max) fit++;
     if (count == numbers && fit == numbers) return PDYN_OK;
     params_describe_bounds(expected, sizeof expected, numbers == 1 ? "a number" : "3 numbers",
@@ -266,7 +266,7 @@ static bool is_absent(const pdyn_param *p, const double *value, int count) {
 /* Saves or reads a number; returns whether it has changed. */
 static bool persist_value(const struct batch *b, const pdyn_param *p, double *field,
                           struct snapshot_file *file) {
-    int count = p->kind == PDYN_VECTOR ? 3 : 1;
+    int count = param_numbers(p);
     double before[LARGEST];
     size_t size = (size_t)count * sizeof *field;
     memcpy(before, field, size);
