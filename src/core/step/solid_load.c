@@ -104,17 +104,15 @@ static void add_element(const struct pdyn_sim *sim, const struct batch *batch, i
     }
 }
 
-/* The dashpots' forces w (u - p) act on solids with the opposite sign. */
+/* u of a dashpot between a body and a solid is its end on the body, on which acts -g. */
 static void add_damping(const struct pdyn_sim *sim) {
     const struct batch *b = sim->objective.dashpots;
     for (int e = 0; b && e < b->view.elements; e++) {
-        const double *u = b->view.u + 3 * (size_t)e, *p = b->view.p + 3 * (size_t)e;
-        double force[3] = {0};
+        double g[3];
         int solid = contact_dashpot_solid(sim->objective.contact, e);
         if (solid < 0) continue;
-        vec3_add(force, b->view.weight[e], u);
-        vec3_add(force, -b->view.weight[e], p);
-        add_contact_force(sim, solid, u, force);
+        forces_row_gradient(sim, b, e, e, g);
+        add_contact_force(sim, solid, b->view.u + 3 * (size_t)e, g);
     }
 }
 
@@ -127,7 +125,7 @@ static void add_contact(const struct pdyn_sim *sim) {
     add_damping(sim);
 }
 
-/* ---- public functions ------------------------------------------------------------------------ */
+/* ---- loads on all solids --------------------------------------------------------------------- */
 
 static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
     struct load **solid = sim->loads->solid;
@@ -161,6 +159,8 @@ const struct load *solid_load_compute(const struct pdyn_sim *sim, pdyn_load_sour
     l->summed = true;
     return l->solid[source];
 }
+
+/* ---- public functions ------------------------------------------------------------------------ */
 
 static void copy_solid_load(const pdyn_sim *sim, int solid, pdyn_load_source source,
                             double force[3], double moment[3]) {
