@@ -53,16 +53,22 @@ static bool warn_of_length(struct pdyn_sim *sim, const char *name, double extent
     return unusual;
 }
 
+static void warn_of_times(struct pdyn_sim *sim, const char *name, double extent, double times,
+                          const char *others) {
+    WARN(
+        sim, SCALE, name,
+        "it is %.3g m long, %.2g times as long as all %s; lengths are in metres, \"scale\" changes "
+        "the unit of a mesh",
+        extent, times, others);
+}
+
 static void check_scale(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     struct box box = extent_of_body(sim, body);
     double extent = box_extent(&box), times = extent / length_of_solids(sim);
     if (body_is_particles(body)) return;
     if (!warn_of_length(sim, body->name, extent) && times > max_times)
-        WARN(sim, SCALE, body->name,
-             "it is %.3g m long, %.2g times as long as all solids; lengths are in metres, "
-             "\"scale\" changes the unit of a mesh",
-             extent, times);
+        warn_of_times(sim, body->name, extent, times, "solids");
 }
 
 /* Particles of `fill` in another unit than the solids. */
@@ -106,10 +112,7 @@ static void check_scale_of_rigid(struct pdyn_sim *sim) {
     if (sim->scene.solids || !sim->scene.body[longest].is_rigid || extent > max_extent) return;
     double times = extent / extent_beside(sim, longest, -1);
     if (times > max_solid_times)
-        WARN(sim, SCALE, sim->body[longest].name,
-             "it is %.3g m long, %.2g times as long as all other bodies; lengths are in metres, "
-             "\"scale\" changes the unit of a mesh",
-             extent, times);
+        warn_of_times(sim, sim->body[longest].name, extent, times, "other bodies");
 }
 
 static void check_scale_of_solids(struct pdyn_sim *sim) {
@@ -119,10 +122,7 @@ static void check_scale_of_solids(struct pdyn_sim *sim) {
         struct box box = box_around(solid->mesh.vertex, solid->mesh.vertices);
         double extent = box_extent(&box), times = extent / extent_beside(sim, -1, s);
         if (!warn_of_length(sim, solid->name, extent) && times > max_solid_times)
-            WARN(sim, SCALE, solid->name,
-                 "it is %.3g m long, %.2g times as long as all bodies and other solids; lengths "
-                 "are in metres, \"scale\" changes the unit of a mesh",
-                 extent, times);
+            warn_of_times(sim, solid->name, extent, times, "bodies and other solids");
     }
 }
 
