@@ -19,8 +19,8 @@ static int extended_count(const struct pdyn_sim *sim) {
 }
 
 /* Of fluid particles, samples and boundary points; a surface acts by its samples alone. */
-static pdyn_status fill_volumes(struct pdyn_sim *sim, double spacing, int particles, double *volume,
-                                bool *centre, bool *is_wall) {
+static pdyn_status fill_volumes(struct pdyn_sim *sim, double *volume, bool *centre, bool *is_wall) {
+    double spacing = sim_spacing(sim);
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
         if (!has_neighbour_lists(sim, b)) continue;
@@ -29,15 +29,15 @@ static pdyn_status fill_volumes(struct pdyn_sim *sim, double spacing, int partic
     }
     for (int k = 0; sim->objective.samples && k < sim->objective.samples->count; k++)
         volume[sim->objective.particles + k] = sim->objective.samples->rest_volume[k];
-    return solid_points_compute_volumes(sim, spacing, volume + particles, is_wall);
+    return solid_points_compute_volumes(sim, volume + extended_count(sim), is_wall);
 }
 
-static double support_of(const struct pdyn_sim *sim, double spacing) {
-    return sim->scene.settings.kernel->support * spacing;
+static double support_of(const struct pdyn_sim *sim) {
+    return sim->scene.settings.kernel->support * sim_spacing(sim);
 }
 
-static pdyn_status create_occlusion(struct pdyn_sim *sim, double spacing) {
-    double reach = support_of(sim, spacing) + skin_size * spacing;
+static pdyn_status create_occlusion(struct pdyn_sim *sim) {
+    double reach = support_of(sim) + skin_size * sim_spacing(sim);
     pdyn_status status =
         occlusion_create(sim->context, sim->bodies, sim->body, &sim->border,
                          extended_count(sim) + sim->boundary.at.count, reach, &sim->occlusion);
@@ -53,15 +53,15 @@ static pdyn_status create_faces(struct pdyn_sim *sim) {
     return PDYN_OK;
 }
 
-static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
+static pdyn_status create_neighbours(struct pdyn_sim *sim) {
     const struct scene_settings *settings = &sim->scene.settings;
+    double spacing = sim_spacing(sim);
     int particles = extended_count(sim), boundary = sim->boundary.at.count;
     double *volume = NEW_ARRAY(sim->context, particles + boundary, double);
     bool *centre = NEW_ARRAY(sim->context, particles, bool);
     bool *is_wall = NEW_ARRAY(sim->context, boundary + 1, bool);
-    pdyn_status status = volume && centre && is_wall
-                             ? fill_volumes(sim, spacing, particles, volume, centre, is_wall)
-                             : PDYN_NO_MEMORY;
+    pdyn_status status =
+        volume && centre && is_wall ? fill_volumes(sim, volume, centre, is_wall) : PDYN_NO_MEMORY;
     kinematic_move(sim, 0.0);
     const struct neighbours_def def = {
         .particles = particles,
@@ -72,7 +72,7 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
         .layer_x = sim->kinematic.layer.x,
         .volume = volume,
         .is_wall = is_wall,
-        .support = support_of(sim, spacing),
+        .support = support_of(sim),
         .surface_support = boundary_support(settings->boundary, settings->kernel) * spacing,
         .skin = skin_size * spacing,
         .has_volumes = settings->boundary->volumes,
@@ -131,12 +131,12 @@ pdyn_status lists_create(struct pdyn_sim *sim) {
         .spacing = spacing,
         .thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0,
         .border = &sim->border};
-    pdyn_status status = solid_points_sample(sim, spacing);
+    pdyn_status status = solid_points_sample(sim);
     if (status == PDYN_OK) status = create_border(sim, model->strip * spacing);
     if (status == PDYN_OK) status = samples_create(sim->context, &samples, &sim->objective.samples);
-    if (status == PDYN_OK) status = create_occlusion(sim, spacing);
+    if (status == PDYN_OK) status = create_occlusion(sim);
     if (status == PDYN_OK) status = create_faces(sim);
-    if (status == PDYN_OK) status = create_neighbours(sim, spacing);
+    if (status == PDYN_OK) status = create_neighbours(sim);
     if (status == PDYN_OK) status = make_limits(sim);
     if (status != PDYN_OK) return status;
     live_particles_update_lists(sim);
