@@ -25,9 +25,12 @@ int run_error(const char *format, ...) {
     return EXIT_BAD_INPUT;
 }
 
-bool run_path(char path[RUN_PATH], const struct run *run, const char *name, const char *ending) {
-    int length = snprintf(path, RUN_PATH, "%s/%s%s", run->directory, name, ending);
-    return length >= 0 && length < RUN_PATH;
+void run_path(char path[RUN_PATH], const struct run *run, const char *format, ...) {
+    va_list args;
+    int length = snprintf(path, RUN_PATH, "%s/", run->directory);
+    va_start(args, format);
+    if (length < RUN_PATH) vsnprintf(path + length, RUN_PATH - (size_t)length, format, args);
+    va_end(args);
 }
 
 static bool is_plain_name(const char *name) { return name && *name && !strchr(name, '/'); }
@@ -92,8 +95,7 @@ static int find_series(struct run *run) {
 /* Loads a file of the directory, if it is there; else *out stays NULL. */
 static int load_member(struct run *run, const char *name, json_t **out) {
     char path[RUN_PATH];
-    if (!run_path(path, run, name, ""))
-        return run_error("%s: the path is too long", run->directory);
+    run_path(path, run, "%s", name);
     if (access(path, F_OK)) return EXIT_GOOD;
     run->source = name;
     return load_json(path, out);
@@ -146,9 +148,7 @@ static int check_series(const struct part *part, const char *path) {
 
 int part_open_series(const struct run *run, struct part *part) {
     char path[RUN_PATH], name[RUN_PATH];
-    snprintf(name, sizeof name, "%s%s", part->folder, part->name);
-    if (!run_path(path, run, name, ".vtk.series"))
-        return run_error("%s: the path is too long", part->name);
+    run_path(path, run, "%s%s.vtk.series", part->folder, part->name);
     snprintf(name, sizeof name, "%s.vtk", part->name);
     int code = EXIT_GOOD;
     if (part->rest)
@@ -197,8 +197,8 @@ static bool is_fluid(const struct run *run, const char *body) {
 
 static int open_skin(const struct run *run, struct part *part) {
     char path[RUN_PATH];
-    if (!run_path(path, run, part->name, ".skin.vtk") || access(path, F_OK)) return EXIT_GOOD;
-    return vtk_frame_read_skin(path, &part->skin);
+    run_path(path, run, "%s.skin.vtk", part->name);
+    return access(path, F_OK) ? EXIT_GOOD : vtk_frame_read_skin(path, &part->skin);
 }
 
 /* Reads name, list of frames, radius and rest density of body b. */
@@ -245,8 +245,8 @@ static int open_boundary(struct run *run) {
     int code = EXIT_GOOD;
     for (int rest = 0; rest < 2 && code == EXIT_GOOD; rest++) {
         char path[RUN_PATH];
-        if (!run_path(path, run, "boundary", rest ? ".vtk" : ".vtk.series") || access(path, F_OK))
-            continue;
+        run_path(path, run, "boundary%s", rest ? ".vtk" : ".vtk.series");
+        if (access(path, F_OK)) continue;
         struct part *part = &run->part[run->parts++];
         *part = (struct part){.kind = BOUNDARY, .rest = rest, .folder = "", .name = "boundary"};
         code = part_open_series(run, part);
@@ -272,8 +272,7 @@ int part_read_frame(const struct run *run, const struct part *part, int f, char 
                     struct vtk_frame *frame) {
     json_t *entry = json_array_get(part->files, part->rest ? 0 : (size_t)f);
     const char *name = json_string_value(json_object_get(entry, "name"));
-    int length = snprintf(path, RUN_PATH, "%s/%s%s", run->directory, part->folder, name);
-    if (length >= RUN_PATH) return run_error("%s: the path is too long", name);
+    run_path(path, run, "%s%s", part->folder, name);
     if (part->kind != BODY) return vtk_frame_read_geometry(path, frame);
     int code = vtk_frame_read(path, frame);
     if (code != EXIT_GOOD || !part->skin.count) return code;

@@ -9,8 +9,8 @@
 #include <jansson.h>
 
 enum {
-    RUN_PATH = 4096, /* size of a path with its NUL */
-    PART_NAME = 64,  /* longest name of a body or a solid, bytes */
+    RUN_PATH = 4096 + 1, /* size of a path; one that fills it is too long for the system to open */
+    PART_NAME = 64,      /* longest name of a body or a solid, bytes */
 };
 
 /* Values of points that the page can show as colours, and what it needs to draw water. */
@@ -68,8 +68,9 @@ struct run {
 /* Prints a message to stderr; returns EXIT_BAD_INPUT. */
 int run_error(const char *format, ...) PDYN_PRINTF(1, 2);
 
-/* Path of NAME + ending in the run's directory; false if it is too long. */
-bool run_path(char path[RUN_PATH], const struct run *run, const char *name, const char *ending);
+/* Path of a file in the run's directory. */
+void run_path(char path[RUN_PATH], const struct run *run, const char *format, ...)
+    PDYN_PRINTF(3, 4);
 
 /* Finds the parts of run->directory and the files of their frames, and reads no frame. The caller
  * calls run_close() in any case. */

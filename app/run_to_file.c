@@ -17,10 +17,10 @@ int run_to_file(int argc, char **argv, const char *usage, const char *file,
     if (code >= 0) return code;
     if (argc - optind != 1) return report_usage(argv, "one directory", usage);
     struct run run = {.directory = argv[optind]};
-    if (!output && !run_path(path, &run, file, ""))
-        return run_error("%s: the path is too long", run.directory);
-    code = write(&run, output ? output : path);
-    if (code == EXIT_GOOD) printf("%d frames written to %s\n", run.frames, output ? output : path);
+    run_path(path, &run, "%s", file);
+    if (!output) output = path;
+    code = write(&run, output);
+    if (code == EXIT_GOOD) printf("%d frames written to %s\n", run.frames, output);
     run_close(&run);
     return code;
 }

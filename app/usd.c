@@ -199,9 +199,8 @@ static int refuse_other_formats(const struct run *run, const struct part *part) 
     static const char *const ending[] = {"ply", "obj"};
     for (int k = 0; k < 2; k++) {
         char path[RUN_PATH];
-        int length = snprintf(path, sizeof path, "%s/mesh/%s_000000.%s", run->directory, part->name,
-                              ending[k]);
-        if (length < RUN_PATH && !access(path, F_OK))
+        run_path(path, run, "mesh/%s_000000.%s", part->name, ending[k]);
+        if (!access(path, F_OK))
             return run_error("%s: expected a mesh with --format vtk: run `projdyn mesh %s` again, "
                              "or delete the folder mesh for particles",
                              path, shell_word(run->directory).text);
@@ -213,9 +212,8 @@ static int refuse_other_formats(const struct run *run, const struct part *part) 
 static int put_fluid(struct stage *stage, const struct part *part) {
     char path[RUN_PATH];
     struct part surface = {.kind = BODY, .folder = "mesh/", .name = part->name};
-    if (snprintf(path, sizeof path, "%s/mesh/%s.vtk.series", stage->run->directory, part->name) >=
-            RUN_PATH ||
-        access(path, F_OK)) {
+    run_path(path, stage->run, "mesh/%s.vtk.series", part->name);
+    if (access(path, F_OK)) {
         int code = refuse_other_formats(stage->run, part);
         return code == EXIT_GOOD ? put_particles(stage, part) : code;
     }

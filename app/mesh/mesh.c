@@ -60,9 +60,7 @@ static int write_surface(const struct run *run, const struct part *part, int f,
                          const struct mesh_options *options, const struct surface *surface) {
     char path[RUN_PATH], title[512];
     const char *name = part->name, *ending = options->format->name;
-    if (snprintf(path, sizeof path, "%s/mesh/%s_%06d.%s", run->directory, name, f, ending) >=
-        RUN_PATH)
-        return run_error("%s: the path is too long", run->directory);
+    run_path(path, run, "mesh/%s_%06d.%s", name, f, ending);
     snprintf(title, sizeof title, "%.200s t=%.9g s", name, part_time(part, f));
     return surface_write(surface, options->format, path, title);
 }
@@ -90,11 +88,10 @@ static int mesh_frame(const struct run *run, const struct part *part, int f,
 
 /* Writes DIR/mesh/BODY.vtk.series, which lists the frames with their times. */
 static int write_series(const struct run *run, const struct part *part,
-                        const struct mesh_options *options, char path[RUN_PATH]) {
+                        const struct mesh_options *options) {
     const char *name = part->name;
-    char *temporary;
-    if (snprintf(path, RUN_PATH, "%s/mesh/%s.vtk.series", run->directory, name) >= RUN_PATH)
-        return run_error("%s: the path is too long", run->directory);
+    char path[RUN_PATH], *temporary;
+    run_path(path, run, "mesh/%s.vtk.series", name);
     FILE *file = new_file_open(path, &temporary);
     if (!file) return report_write_error(path);
     fprintf(file, "{\"file-series-version\": \"1.0\", \"files\": [");
@@ -110,12 +107,11 @@ static int write_series(const struct run *run, const struct part *part,
 static int mesh_body(const struct run *run, const struct part *part,
                      const struct mesh_options *options) {
     struct mesh_summary s = {.least = INFINITY, .most = -INFINITY, .seconds = wall_seconds()};
-    char path[RUN_PATH] = "";
     int code = EXIT_GOOD;
     for (int f = (int)options->first; f <= options->last && code == EXIT_GOOD; f++)
         code = mesh_frame(run, part, f, options, &s);
     if (code == EXIT_GOOD && !strcmp(options->format->name, "vtk"))
-        code = write_series(run, part, options, path);
+        code = write_series(run, part, options);
     if (code != EXIT_GOOD) return code;
     printf("%s: %d frames, at most %d triangles, %.2f s a frame", part->name, s.frames, s.triangles,
            (wall_seconds() - s.seconds) / s.frames);
@@ -127,8 +123,7 @@ static int mesh_body(const struct run *run, const struct part *part,
 
 static int make_folder(const struct run *run) {
     char path[RUN_PATH];
-    if (!run_path(path, run, "mesh", ""))
-        return run_error("%s: the path is too long", run->directory);
+    run_path(path, run, "mesh");
     if (!mkdir(path, 0777) || (errno == EEXIST && !access(path, X_OK))) return EXIT_GOOD;
     return run_error("%s: cannot make the directory: %s", path, strerror(errno));
 }

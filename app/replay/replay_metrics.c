@@ -64,7 +64,8 @@ static int parse_row(struct run *run, char *line, const char *path, int number,
 int replay_read_metrics(struct run *run) {
     char path[RUN_PATH], *text;
     size_t size;
-    if (!run_path(path, run, "metrics", ".csv") || access(path, F_OK)) return EXIT_GOOD;
+    run_path(path, run, "metrics.csv");
+    if (access(path, F_OK)) return EXIT_GOOD;
     int code = read_file(path, &text, &size);
     if (code != EXIT_GOOD) return code;
     run->metrics = json_object();
