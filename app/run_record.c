@@ -18,8 +18,6 @@ static char *file_in(const char *directory, const char *file) {
     return NULL;
 }
 
-static char *path_in(const char *directory) { return file_in(directory, "run.json"); }
-
 static bool has_file(const char *directory, const char *file) {
     char *path = file_in(directory, file);
     bool exists = path && !access(path, F_OK);
@@ -77,7 +75,7 @@ static bool dump(const json_t *root, const char *path) {
 
 int run_record_write(const char *directory, const struct scene_options *options, double end,
                      bool no_frames) {
-    char *path = path_in(directory);
+    char *path = file_in(directory, "run.json");
     errno = 0;
     json_t *root = options_to_json(options, end, no_frames);
     if (errno != ENOMEM) errno = 0;
@@ -112,7 +110,7 @@ static bool options_from_json(const json_t *root, struct scene_options *o) {
 int run_record_read(const char *directory, struct scene_options *options, double *end,
                     bool *no_frames, void **record) {
     json_error_t error;
-    char *path = path_in(directory);
+    char *path = file_in(directory, "run.json");
     if (!path) return EXIT_FAILED;
     errno = 0;
     json_t *root = *record = json_load_file(path, 0, &error);

@@ -8,7 +8,7 @@ import subprocess
 from typing import Any
 
 from ._installed import installed_file
-from ._paths import path
+from ._paths import path as path_of
 from .errors import Error, InputError
 
 _BAD_INPUT = 2
@@ -27,7 +27,7 @@ def program_path() -> str:
 def run_program(command: str, directory: Any, **options: Any) -> None:
     """Runs a command of the program on the directory of a run. options: --NAME=VALUE, without those that
     are None. Notes of the program go to the logger "projdyn". InputError, Error: it failed, in its words."""
-    path(directory, "directory")
+    path_of(directory, "directory")
     arguments = [f"--{name}={value}" for name, value in options.items() if value is not None]
     with subprocess.Popen([program_path(), command, *arguments, "--", os.fspath(directory)], text=True,
                           stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ._arrays import address, doubles
+from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
 from .body import POINTS, Body, has_pose
@@ -83,8 +84,7 @@ class Rigid(Body):
 
     # ---- parts ----------------------------------------------------------------------------------
 
-    def _hint(self, name: str) -> str:
-        return self._instead[name]
+    _hint = Fixed._hint  # that of Body names the rigid bodies
 
     def begin_step(self) -> None:
         """A moment is forces on points, which turn with the body: they are set anew."""
