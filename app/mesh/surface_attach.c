@@ -1,5 +1,6 @@
 /* Attaches vertices of the surface of the water to sheets, bodies and solids beside it. */
 #include "parallel.h"
+#include "projdyn/vec3.h"
 #include "surface.h"
 
 #include <math.h>
@@ -16,12 +17,9 @@ struct attachment {
 /* Moves a vertex to a small gap before the first obstacle on the line from particle p to it and
  * `reach` beyond it. */
 static void attach_vertex(const struct attachment *s, const float *p, float *vertex) {
-    double from[3], way[3], end[3], gap = SURFACE_GAP * s->field->cell, square = 0.0;
-    for (int a = 0; a < 3; a++) {
-        from[a] = (double)p[a], way[a] = (double)vertex[a] - from[a];
-        square += way[a] * way[a];
-    }
-    double length = sqrt(square);
+    double from[3], way[3], end[3], gap = SURFACE_GAP * s->field->cell;
+    for (int a = 0; a < 3; a++) from[a] = (double)p[a], way[a] = (double)vertex[a] - from[a];
+    double length = vec3_length(way);
     if (!(length > 0.0)) return;
     double reach = length + s->reach + gap;
     for (int a = 0; a < 3; a++) end[a] = from[a] + way[a] / length * reach;

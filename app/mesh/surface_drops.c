@@ -57,7 +57,7 @@ static void divide_face(struct ball *ball, int a, int b, int c) {
 static void make_ball(struct ball *ball) {
     *ball = (struct ball){0};
     make_corners(ball);
-    double edge = 2.0 / sqrt(1.0 + pow(0.5 * (1.0 + sqrt(5.0)), 2.0)) + 1e-9, volume = 0.0;
+    double edge = vec3_distance(ball->x[0], ball->x[1]) + 1e-9, volume = 0.0;
     for (int a = 0; a < CORNERS; a++)
         for (int b = a + 1; b < CORNERS; b++)
             for (int c = a + 1; c < CORNERS; c++)

@@ -1,6 +1,7 @@
 /* What the particles around a vertex of a surface give it: a velocity, a side, and mobility. */
 #include "app.h"
 #include "parallel.h"
+#include "projdyn/vec3.h"
 #include "surface.h"
 
 #include <math.h>
@@ -27,12 +28,10 @@ static void sample_vertex(const struct sampling *s, int vertex) {
     struct colour_rows rows = colour_rows_around(field, at);
     for (int r = 0; r < 9; r++)
         for (int j = rows.first[r]; j < rows.last[r]; j++) {
-            double r2 = 0.0;
-            for (int a = 0; a < 3; a++) {
-                double d = point[a] - (double)field->x[3 * (size_t)j + (size_t)a];
-                r2 += d * d;
-            }
-            double w = colour_kernel(field, r2);
+            double d[3];
+            for (int a = 0; a < 3; a++)
+                d[a] = point[a] - (double)field->x[3 * (size_t)j + (size_t)a];
+            double r2 = vec3_dot(d, d), w = colour_kernel(field, r2);
             if (r2 < best) best = r2, s->surface->closest[vertex] = j;
             sum += w;
             for (int a = 0; a < 3; a++) v[a] += w * (double)field->v[3 * (size_t)j + (size_t)a];
