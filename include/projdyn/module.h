@@ -605,8 +605,8 @@ typedef struct pdyn_global_solver {
      * for the error. NULL: 1. */
     int (*suits)(const pdyn_model *model, const char **reason);
     /* Refers to the model from now on. After a failure free is called, too. It is called when a
-     * scene is loaded, and again in a run, where a constraint begins or ends or a parameter
-     * changes: what it chooses by values, such as a coarse space, must follow from steady elements,
+     * scene is loaded, and again in a run, where a constraint begins or ends or its rows or weights
+     * change: what it chooses by values, such as a coarse space, must follow from steady elements,
      * or a resumed run differs. */
     pdyn_status (*create)(void *self, pdyn_model *model);
     /* Solves H y = b. y: particles x 3, zero on entry. b: particles x 3, becomes the residual

@@ -111,9 +111,10 @@ static inline bool type_gives_energy(const pdyn_constraint_type *type) {
 pdyn_status batch_join_rows(struct batch *batch);
 
 /* The parameters have changed, or `off` has: fills data and weights anew, or tells the operator.
+ * Sets *changed to true unless rows and weights, of which solvers keep something, are the same.
  * PDYN_BAD_INPUT: the elements or their rows are others with these parameters, or a weight is not
  * valid; the batch is to be refreshed again with valid ones then. */
-pdyn_status batch_refresh(struct batch *batch);
+pdyn_status batch_refresh(struct batch *batch, bool *changed);
 
 /* ---- a step: its beginning and its end ------------------------------------------------------- */
 

@@ -2,6 +2,7 @@
 #include "row_arrays.h"
 
 #include "base/registry.h"
+#include "base/snapshot_file.h"
 
 /* ---- setting up ------------------------------------------------------------------------------ */
 
@@ -140,8 +141,12 @@ pdyn_status batch_create_rows(const struct batch *b, struct batch **out) {
     return create(b->context, &def, true, out);
 }
 
+static bool is_linear(const struct batch *b) {
+    return b->type->linear && b->type->linear(b->params, &b->view);
+}
+
 pdyn_status batch_join_rows(struct batch *b) {
-    if (b->op || !b->type->linear || !b->type->linear(b->params, &b->view)) return PDYN_OK;
+    if (b->op || !is_linear(b)) return PDYN_OK;
     return linear_rows_create(b->context, b, &b->linear);
 }
 
@@ -160,18 +165,39 @@ static bool has_same_rows(const struct batch *b) {
     return true;
 }
 
-pdyn_status batch_refresh(struct batch *b) {
-    pdyn_batch *v = &b->view;
-    if (b->op) b->type->matrix_free->set_params(b->op, b->params);
-    if (!batch_is_static(b)) return PDYN_OK;
-    if (!has_same_rows(b))
-        return rows_fault(b, "it has other elements with this value than the scene gave it");
-    b->type->select(b->params, v, 0, v->elements);
-    if (!b->type->begin) rows_weigh(b, 0, v->elements);
+/* A hash of what solvers keep of the rows: G and the weights. */
+static uint64_t hash_rows(const struct batch *b) {
+    const pdyn_batch *v = &b->view;
+    uint64_t hash = HASH_BEGIN;
+    hash = hash_bytes(hash, v->column, (size_t)b->entries * sizeof *v->column);
+    hash = hash_bytes(hash, v->coefficient, (size_t)b->entries * sizeof *v->coefficient);
+    return hash_bytes(hash, v->weight, (size_t)v->elements * sizeof *v->weight);
+}
+
+/* The weights of a damper depend on parameters that the rows do not show. */
+static bool has_changed(const struct batch *b, uint64_t before) {
+    return b->damper || hash_rows(b) != before || is_linear(b) != (b->linear != NULL);
+}
+
+static pdyn_status join_again(struct batch *b) {
     linear_rows_free(b->linear);
     b->linear = NULL;
     pdyn_status status = index_rows(b);
     return status == PDYN_OK && !b->damper ? batch_join_rows(b) : status;
+}
+
+pdyn_status batch_refresh(struct batch *b, bool *changed) {
+    pdyn_batch *v = &b->view;
+    if (b->op) b->type->matrix_free->set_params(b->op, b->params), *changed = true;
+    if (!batch_is_static(b)) return PDYN_OK;
+    if (!has_same_rows(b))
+        return rows_fault(b, "it has other elements with this value than the scene gave it");
+    uint64_t before = hash_rows(b);
+    b->type->select(b->params, v, 0, v->elements);
+    if (!b->type->begin) rows_weigh(b, 0, v->elements);
+    if (!has_changed(b, before)) return PDYN_OK;
+    *changed = true;
+    return join_again(b);
 }
 
 pdyn_status batch_neighbours(struct batch *b, const pdyn_neighbours *neighbours) {

@@ -38,15 +38,14 @@ static void *given_field(const struct pdyn_sim *sim, int constraint, const pdyn_
     return (char *)derived_given(sim->constraint[constraint]) + p->offset;
 }
 
-/* Refreshes the constraint and its damper. */
+/* Refreshes the constraint and its damper. Solvers stay where only the projection has changed. */
 static pdyn_status refresh(struct pdyn_sim *sim, int constraint) {
     struct objective *objective = &sim->objective;
     const struct batch *changed = objective->batch[constraint];
     pdyn_status status = PDYN_OK;
     for (int b = 0; b < objective->batches && status == PDYN_OK; b++)
         if (batch_belongs_to(objective->batch[b], changed))
-            status = batch_refresh(objective->batch[b]);
-    sim->control.stale = true;
+            status = batch_refresh(objective->batch[b], &sim->control.stale);
     forces_forget(sim);
     return status;
 }
@@ -54,6 +53,7 @@ static pdyn_status refresh(struct pdyn_sim *sim, int constraint) {
 static void switch_batches(struct pdyn_sim *sim, int constraint, bool off) {
     struct objective *objective = &sim->objective;
     const struct batch *changed = objective->batch[constraint];
+    sim->control.stale |= changed->off != off;
     for (int b = 0; b < objective->batches; b++)
         if (batch_belongs_to(objective->batch[b], changed)) objective->batch[b]->off = off;
 }
