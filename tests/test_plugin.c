@@ -280,6 +280,37 @@ static void test_rows(void **state) {
     refuse_rows(2, 0, 1.0, NAN, "expected a finite one of at least 0");
 }
 
+/* Rows may select the particles of a body that a parameter names; the message says which they are.
+ */
+static void test_rows_of_other(void **state) {
+    (void)state;
+    static const pdyn_param to[] = {{"to", PDYN_OTHER, 0, true, 0, 0, 0, "", "the other body"},
+                                    {0}};
+    static const char two[] =
+        SCENE("'duration': 1",
+              PAIR(GRID_SHEET("'name': 'a', ", "1, 1", "3, 3",
+                              "'area_density': 1, 'translate': [0, 1, 0]", ""),
+                   GRID_SHEET("'name': 'b', ", "1, 1", "3, 3", "'area_density': 1",
+                              "{'type': 'mine', 'to': 'a'}")),
+              "");
+    pdyn_constraint_type type = good;
+    const pdyn_constraint_type *const types[] = {&type, NULL};
+    const pdyn_plugin plugin = {PDYN_ABI, "p", types, NULL};
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim;
+    type.elements = some_elements, type.select = some_select, type.weight = some_weight;
+    type.params = to, type.params_size = sizeof(pdyn_other), type.resolve = NULL;
+    elements_of_all = 1, coefficient_of_all = weight_of_all = 1.0;
+    assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
+    column_of_all = 8;
+    assert_int_equal(pdyn_load_text(context, quoted(two), "two", NULL, 0, &sim), PDYN_OK);
+    pdyn_free(sim);
+    column_of_all = 18;
+    assert_int_equal(pdyn_load_text(context, quoted(two), "two", NULL, 0, &sim), PDYN_BAD_INPUT);
+    assert_error("selects particle 18, expected 9 to 17, or 0 to 8 of body \"a\"");
+    pdyn_destroy(context);
+}
+
 /* A projection (coefficient 1) or a tangent (2) that is not finite ends the run with a message. */
 static void test_not_finite(void **state) {
     (void)state;
@@ -456,11 +487,12 @@ static void test_model(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plugins),        cmocka_unit_test(test_tables),
-        cmocka_unit_test(test_alternatives),   cmocka_unit_test(test_resolve),
-        cmocka_unit_test(test_parameters),     cmocka_unit_test(test_rows),
-        cmocka_unit_test(test_not_finite),     cmocka_unit_test(test_dense),
-        cmocka_unit_test(test_failing_solver), cmocka_unit_test(test_model),
+        cmocka_unit_test(test_plugins),       cmocka_unit_test(test_tables),
+        cmocka_unit_test(test_alternatives),  cmocka_unit_test(test_resolve),
+        cmocka_unit_test(test_parameters),    cmocka_unit_test(test_rows),
+        cmocka_unit_test(test_rows_of_other), cmocka_unit_test(test_not_finite),
+        cmocka_unit_test(test_dense),         cmocka_unit_test(test_failing_solver),
+        cmocka_unit_test(test_model),
     };
     return cmocka_run_group_tests_name("plugin", tests, NULL, NULL);
 }

@@ -129,15 +129,15 @@ static void test_bad_scenes(void **state) {
     (void)state;
     fails(POSE("'stiffness': [1, 2, 3]"),
           "s:2:31: bodies[0].constraints[0].stiffness: expected an "
-          "array of 4 numbers, one per vertex, or one row for all, found an array of 3");
+          "array of 4 numbers, one per vertex, or one number for all, found an array of 3");
     fails(POSE("'target': [[1, 2, 3]]"),
           "s:2:28: bodies[0].constraints[0].target: expected an array of 4 rows of 3 numbers, one "
-          "per vertex, or one row for all, found an array of 1");
+          "per vertex, or one array of 3 numbers for all, found an array of 1");
     fails(POSE("'target': [1, 2]"), "s:2:28: bodies[0].constraints[0].target: expected an array of "
                                     "3 numbers (m), found an array of 2");
     fails(POSE("'target': true"),
           "s:2:28: bodies[0].constraints[0].target: expected an array of 4 "
-          "rows of 3 numbers, one per vertex, or one row for all, found true");
+          "rows of 3 numbers, one per vertex, or one array of 3 numbers for all, found true");
     fails(POSE("'stiffness': [1, 2, -3, 4]"), "s:2:38: bodies[0].constraints[0].stiffness[2]: "
                                               "expected a number from 0 to 1000000 N/m, found -3");
     fails(POSE("'stiffness': 2e6"), "s:2:31: bodies[0].constraints[0].stiffness: expected a number "

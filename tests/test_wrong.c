@@ -132,8 +132,8 @@ static void test_writes(void **state) {
     t.project = project_beyond, wrong_expect(t, "project writes p outside of its elements");
     t.project = project_before, wrong_expect(t, "project writes p outside of its elements");
     t.project = project_all, wrong_expect(t, "project writes p outside of its elements");
-    t.project = project_weights, wrong_expect(t, "project writes weight which is not its to write");
-    t.project = project_u, wrong_expect(t, "project writes u which is not its to write");
+    t.project = project_weights, wrong_expect(t, "project writes weight, which it may only read");
+    t.project = project_u, wrong_expect(t, "project writes u, which it may only read");
     t = good, t.select = select_beyond;
     wrong_expect(t, "select writes coefficient outside of its elements");
 }

@@ -411,7 +411,7 @@ static void test_project(void **state) {
         {COUNTS_CALLS, EDGE, AT_MOST, again},
         {COUNTS_CALLS, AREA, AT_LEAST, again},
         {COUNTS_CALLS, BEND, BOTH, again},
-        {WRITES_DATA, EDGE, AT_MOST, "project writes data which is not its to write"},
+        {WRITES_DATA, EDGE, AT_MOST, "project writes data, which it may only read"},
         {NEVER, EDGE, AT_MOST, "not exercised"},
         {NEVER, AREA, AT_LEAST, "not exercised"},
         {NEVER, BEND, AT_MOST, "not exercised"},

@@ -37,7 +37,8 @@ static void check_type_on(struct check *check) {
                      "and no wet sides");
     else if (!check->active)
         fault(check, "not exercised: no element pulls in any trial, compressed, stretched, "
-                     "sheared or crumpled");
+                     "sheared or crumpled; check it with other defaults of its parameters, such "
+                     "as a smaller limit");
     check_solvers(check);
     if (!check->faults) check_steps(check);
 }

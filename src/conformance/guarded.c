@@ -91,8 +91,8 @@ static void guarded_call(struct check *check, struct guarded *g, const struct ca
         if (memcmp(after, before, GUARD + begin) == 0 &&
             memcmp(after + GUARD + end, before + GUARD + end, all - GUARD - end) == 0)
             continue;
-        fault(check, "%s writes %s %s", call->name, guarded_name[k],
-              call->writes & 1u << k ? "outside of its elements" : "which is not its to write");
+        fault(check, "%s writes %s%s", call->name, guarded_name[k],
+              call->writes & 1u << k ? " outside of its elements" : ", which it may only read");
         memcpy(g->array[k].memory, before, all);
     }
 }

@@ -4,6 +4,7 @@
 
 #include "base/body.h"
 #include "base/param_kind.h"
+#include "base/text.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -28,6 +29,20 @@ static bool is_of_other(const struct batch *b, int particle) {
         if (other && other->body && body_has(other->body, particle)) return true;
     }
     return false;
+}
+
+/* An element selects a particle that it may not. */
+static pdyn_status column_fault(const struct batch *b, int element, int particle, int low,
+                                int high) {
+    char others[160] = "";
+    for (const pdyn_param *p = b->type->params; p->name; p++) {
+        const pdyn_other *other = param_other(p, b->params);
+        if (other && other->body)
+            text_append(others, sizeof others, ", or %d to %d of body \"%s\"", other->body->first,
+                        other->body->first + other->body->count - 1, other->body->name);
+    }
+    return rows_fault(b, "element %d selects particle %d, expected %d to %d%s", element, particle,
+                      low, high - 1, others);
 }
 
 void rows_selectable(const struct batch *b, int *low, int *high) {
@@ -56,8 +71,7 @@ pdyn_status rows_check(const struct batch *b) {
     for (int k = 0; k < b->entries; k++) {
         int i = v->column[k];
         if ((i < low || i >= high) && !is_of_other(b, i))
-            return rows_fault(b, "element %d selects particle %d, expected %d to %d",
-                              b->entry_element[k], i, low, high - 1);
+            return column_fault(b, b->entry_element[k], i, low, high);
         if (!isfinite(v->coefficient[k]))
             return rows_fault(b, "element %d has a coefficient that is not finite",
                               b->entry_element[k]);

@@ -73,8 +73,10 @@ void table_describe_number(char *text, size_t size, const pdyn_param *param, int
 
 static pdyn_status expected_table(const struct json_at *at, const pdyn_param *param, int rows) {
     char text[WHAT] = "an array of ";
+    int width = param_width(param);
     table_describe(text, sizeof text, param, rows, NULL);
-    if (rows) text_append(text, sizeof text, ", or one row for all");
+    if (rows && width == 1) text_append(text, sizeof text, ", or one number for all");
+    else if (rows) text_append(text, sizeof text, ", or one array of %d numbers for all", width);
     return json_expected(at, text);
 }
 
