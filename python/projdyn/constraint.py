@@ -2,11 +2,11 @@
 from __future__ import annotations
 
 from ctypes import byref, sizeof
-from typing import Any, NamedTuple
+from typing import Any, Iterator, NamedTuple
 
 import numpy as np
 
-from ._arrays import address, numbers, view
+from ._arrays import address, doubles, numbers, view
 from ._fixed import Fixed
 from ._handles import Handle, listed
 from ._library import lib
@@ -65,7 +65,10 @@ class Constraint(Fixed):
     def __setitem__(self, name: str, value: Any) -> None:
         """Changes a parameter from the next step on: a number; three numbers for a vector; n x 4
         for the keys of a path (time and three numbers); the rows of a table, or one row for all."""
-        flat = np.ravel(numbers(value, text(name, "name")))
+        found = numbers(value, text(name, "name"))
+        if found.ndim > 1 and name in (widths := self._widths()):  # refuses a transposed array
+            doubles(found, (None, widths[name]), name)
+        flat = np.ravel(found)
         self._handle.call(lib.pdyn_set_parameter, self._index, name.encode(), address(flat), len(flat))
 
     @property
@@ -116,8 +119,17 @@ class Constraint(Fixed):
         with self._handle.lock:  # the memory of a value ends when another thread sets it
             return {info.name.decode(): _rows(np.array(view(info.value, (info.count,), self._handle)),
                                               info.width)
-                    for info in listed(VectorInfo, lib.pdyn_get_vector_sized, self._handle.pointer,
-                                       self._index)}
+                    for info in self._infos()}
+
+    def _widths(self) -> dict[str, int]:
+        """Numbers in each row of the paths, and of the tables whose rows have several."""
+        with self._handle.lock:
+            return {info.name.decode(): info.width or 4 for info in self._infos()
+                    if info.width > 1 or (info.width == 0 and info.count != 3)}
+
+    def _infos(self) -> Iterator[VectorInfo]:
+        """The vectors, paths and tables, under the lock."""
+        return listed(VectorInfo, lib.pdyn_get_vector_sized, self._handle.pointer, self._index)
 
     # ---- parts ----------------------------------------------------------------------------------
 

@@ -223,6 +223,11 @@ class Control(unittest.TestCase):
         np.testing.assert_array_equal(muscle["fibre"], np.tile([0.0, 0, 2], (6, 1)))
         with self.assertRaisesRegex(projdyn.InputError, "6 rows of 3 numbers, one per tetra"):
             muscle["fibre"] = fibre[:5]
+        for wrong in (fibre.T, fibre.reshape(9, 2), fibre.reshape(2, 3, 3)):
+            with self.assertRaisesRegex(projdyn.InputError, "fibre: expected the shape n x 3, found "):
+                muscle["fibre"] = wrong
+        muscle["fibre"] = [[0, 1, 0]]
+        np.testing.assert_array_equal(muscle["fibre"], np.tile([0.0, 1, 0], (6, 1)))
 
     def test_vectors_and_paths(self):
         scene = hanging_sheet()
