@@ -140,6 +140,22 @@ static void test_program(void **state) {
     pdyn_free(sim), pdyn_free(heavy);
 }
 
+/* A value that the type refuses leaves the keys in force. */
+static void test_program_refused(void **state) {
+    (void)state;
+    static const char scene[] = PINNED(FIXED, "1000, 'damping': [{'time': 0, 'damping': 0.01}, "
+                                              "{'time': 1, 'damping': 0.03}]");
+    pdyn_sim *sim = test_load(context, scene);
+    pdyn_status status = pdyn_set_parameter(sim, SPRING, "damping", (double[]){0.0}, 1);
+    assert_int_equal(status, PDYN_BAD_INPUT);
+    take_steps(sim, 2);
+    double time = pdyn_time(sim);
+    take_steps(sim, 1);
+    assert_true(fabs(pdyn_get_parameter(sim, SPRING, 1).value - linear(time, 0, 1, 0.01, 0.03)) <
+                1e-12);
+    pdyn_free(sim);
+}
+
 /* Of two parameters with keys, both stay as a program sets them. */
 static void test_two_parameters(void **state) {
     (void)state;
@@ -185,10 +201,10 @@ static void test_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_gravity),   cmocka_unit_test(test_largest_gravity),
-        cmocka_unit_test(test_parameter), cmocka_unit_test(test_table),
-        cmocka_unit_test(test_program),   cmocka_unit_test(test_two_parameters),
-        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_gravity),        cmocka_unit_test(test_largest_gravity),
+        cmocka_unit_test(test_parameter),      cmocka_unit_test(test_table),
+        cmocka_unit_test(test_program),        cmocka_unit_test(test_program_refused),
+        cmocka_unit_test(test_two_parameters), cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests_name("keyed", tests, control_set_up, control_tear_down);
 }

@@ -227,10 +227,11 @@ pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name, 
     pdyn_status status = p->kind == PDYN_PATH ? check_path(b, p, value, count)
                          : param_is_table(p)  ? check_table(b, p, value, count)
                                               : check_value(b, p, value, count);
+    if (status == PDYN_OK) status = set_values(sim, constraint, p, value, count);
     if (status != PDYN_OK) return status;
     sim->control.driven = true;
     schedule_replace(sim, constraint, p);
-    return set_values(sim, constraint, p, value, count);
+    return PDYN_OK;
 }
 
 pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled) {
