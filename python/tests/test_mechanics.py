@@ -72,6 +72,25 @@ def double_pendulum(angles, mass, inertia, length, time, steps=4000):
     return y[:2]
 
 
+def bowed(half, length):
+    """The c of y = c cosh(x / c), whose arc between -half and half has this length."""
+    low, high = 0.1 * half, 100 * half
+    for _ in range(100):
+        c = (low + high) / 2
+        low, high = (c, high) if 2 * c * np.sinh(half / c) > length else (low, c)
+    return c
+
+
+def cone(radius, height, tilt, parts=32):
+    """A cone on its tip, vertex 0, in the origin; its axis leans towards z by `tilt`, rad."""
+    a, k = 2 * np.pi * np.arange(parts) / parts, np.arange(parts)
+    rim = np.column_stack([radius * np.cos(a), np.full(parts, height), radius * np.sin(a)])
+    c, s, after = np.cos(tilt), np.sin(tilt), (k + 1) % parts
+    sides = np.column_stack([np.zeros_like(k), 2 + k, 2 + after])
+    return np.vstack([[0, 0, 0], [0, height, 0], rim]) @ [[1, 0, 0], [0, c, s], [0, -s, c]], \
+        np.vstack([sides, sides[:, ::-1] + (sides[:, ::-1] == 0)])
+
+
 class Mechanics(unittest.TestCase):
     def test_folded_chain_falls_faster_than_free(self):
         vertices, triangles = strip(folded(1, 100), 0.02)
@@ -127,6 +146,55 @@ class Mechanics(unittest.TestCase):
         print(f"belt over a half drum: {pulled:.2f} N against {held:.2f} N, ratio {pulled / held:.3f}, "
               f"exact {np.exp(friction * np.pi):.3f}")
         self.assertLess(abs(pulled / held / np.exp(friction * np.pi) - 1), 0.05)
+
+    def test_sail_is_a_catenary(self):
+        """Wind presses with q cos^2 of the angle between sail and span: T dtheta/ds = q cos^2 theta (Bernoulli)."""
+        half, speed, n = 0.5, 10, 41
+        angle, radius = 1.25 * np.linspace(-1, 1, n), half / np.sin(1.25)  # an arc of a circle at the start
+        start = np.column_stack([radius * np.sin(angle), radius * (np.cos(angle) - np.cos(1.25))])
+        scene = projdyn.Scene(duration=10, frame_interval=10, threads=1, gravity=[0, 0, 0],
+                              time_step={"fixed": 0.05, "integrator": "euler"}, solver={"tolerance": 1e-3})
+        vertices, triangles = strip(start, 0.1)
+        scene.add_cloth(vertices, triangles, name="sail", area_density=0.2, triangle={"stretching_stiffness": 1e6},
+                        wind={"velocity": [0, speed, 0]}, pin={"vertices": {"vertices": [0, n - 1, n, 2 * n - 1]}})
+        length = np.linalg.norm(np.diff(start, axis=0), axis=1).sum()
+        sim = scene.load()
+        for _ in sim.run():
+            pass
+        c, pressure = bowed(half, length), 1.2 * 1.2 * speed ** 2 / 2
+        depth, exact = sim.bodies["sail"].x[:, 1].max(), c * (np.cosh(half / c) - 1)
+        force = sim.constraints["sail", "triangle"].forces()[sim.bodies["sail"].particles]
+        tension = np.linalg.norm(force[0] + force[n]) / 0.1
+        print(f"sail: depth {depth:.5f} m, exact {exact:.5f} m; "
+              f"tension {tension:.3f} N/m, exact {pressure * c:.3f} N/m")
+        self.assertLess(abs(depth / exact - 1), 5e-4)
+        self.assertLess(abs(tension / (pressure * c) - 1), 5e-4)
+
+    def test_top_precesses(self):
+        """A cone on its tip that spins with s about its axis: A W^2 cos(tilt) - C s W + m g l = 0."""
+        tilt, spin = np.radians(30), 250
+        vertices, triangles = cone(0.05, 0.1, tilt)
+        scene = projdyn.Scene(duration=1, frame_interval=1, threads=1, time_step={"fixed": 0.002})
+        scene.add_rigid(vertices, triangles, name="top", density=1000,
+                        pin={"vertices": {"vertices": [0]}, "stiffness": 1e6})
+        sim = scene.load()
+        top, axis, up = sim.bodies["top"], vertices[1] / 0.1, np.array([0, 1, 0])
+        l = np.linalg.norm(top.position)
+        about_axis, about_tip = axis @ top.inertia @ axis, top.inertia[0, 0] + top.total_mass * l * l
+        moment = top.total_mass * G * l
+        rate = (about_axis * spin - np.sqrt((about_axis * spin) ** 2 - 4 * about_tip * moment * np.cos(tilt))) / \
+            (2 * about_tip * np.cos(tilt))
+        turn = axis * spin + rate * (up - axis * (up @ axis))
+        top.set_motion(np.cross(turn, axis * l), turn)
+        angles, leans = [], []
+        for _ in sim.run():
+            angles.append(np.arctan2(top.position[0], top.position[2]))
+            leans.append(np.degrees(np.arccos(top.position[1] / np.linalg.norm(top.position))))
+        found = (np.unwrap(angles)[-1] - angles[0]) / (sim.time - 0.002)
+        print(f"top: precession {found:.4f} rad/s, exact {rate:.4f} rad/s, "
+              f"leans by {min(leans):.2f} to {max(leans):.2f} degrees")
+        self.assertLess(abs(found / rate - 1), 0.005)
+        self.assertLess(max(abs(np.array(leans) - 30)), 0.2)
 
 
 if __name__ == "__main__":
