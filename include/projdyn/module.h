@@ -494,6 +494,9 @@ typedef struct pdyn_constraint_type {
      * whose moment is that on the face of a box, before its point; of a moving box with
      * PDYN_FIRST_LAYER. */
     void (*boundary_force)(const void *params, const pdyn_batch *batch, double *force);
+    /* Whether it acts on one side only with these parameters, as with PDYN_ONE_SIDED, which says so
+     * for all. NULL: no. */
+    bool (*one_sided)(const void *params);
 } pdyn_constraint_type;
 
 /* ---- the solver table ------------------------------------------------------------------------ */
@@ -622,7 +625,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Version of these tables: raised when the layout of one of them changes. */
-#define PDYN_ABI 19u
+#define PDYN_ABI 20u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

@@ -102,7 +102,7 @@ void check_one_side(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
     double *u = u_of(b), beyond = 1e-3;
     const pdyn_constraint_type *type = check->type;
-    if (!(type->flags & PDYN_ONE_SIDED) || type->update || type->matrix_free || type->energy)
+    if (!type_is_one_sided(type, b->params) || type->update || type->matrix_free || type->energy)
         return;
     batch_local(b, t->x, t->y);
     double pulled = trial_distance(u, b->view.p, 3 * b->rows);
@@ -110,7 +110,7 @@ void check_one_side(struct check *check, struct trial *t) {
     check->type->project(b->params, &b->view, 0, b->view.elements);
     double rounding = 1e-12 * trial_norm(u, 3 * b->rows);
     if (trial_distance(u, b->view.p, 3 * b->rows) > 0.1 * beyond * pulled + rounding)
-        fault(check, "it pulls on both sides of p, although it says PDYN_ONE_SIDED");
+        fault(check, "it pulls on both sides of p, although it says PDYN_ONE_SIDED or one_sided");
 }
 
 /* Whether element e pulls: |u - p| is more than rounding. */

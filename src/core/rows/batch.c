@@ -167,7 +167,9 @@ bool batch_pins_particle(const struct batch *b, int particle) {
            b->touch_start[i + 1] > b->touch_start[i];
 }
 
-bool batch_has_impacts(const struct batch *b) { return b->op || (b->type->flags & PDYN_ONE_SIDED); }
+bool batch_has_impacts(const struct batch *b) {
+    return b->op || type_is_one_sided(b->type, b->params);
+}
 
 void batch_find_acceleration(struct batch *b, const struct velocity_change *change) {
     double *a = change->acceleration;

@@ -172,6 +172,7 @@ void batch_remainder_diagonal(struct batch *batch, double *blocks);
 struct velocity_change {  /* by a step of effective length h, s */
     const double *slowed; /* particles x 3: velocities before the step minus those after, m/s */
     const double *after;  /* particles x 3: velocities after the step, m/s */
+    const double *start;  /* particles x 3: positions before the step, m */
     const pdyn_neighbours *lists; /* NULL in a scene without SPH sums */
     double taken; /* part of the impulse of an impact that is taken off the velocities */
     int particles;
@@ -240,6 +241,10 @@ void batch_mark_selected(const struct batch *batch, bool *selected);
 /* Whether J of the type's elements is not 0. */
 static inline bool type_has_tangent(const pdyn_constraint_type *type) {
     return type->tangent || type->tangent_rank1 || type->flags & PDYN_NUMERIC_TANGENT;
+}
+/* Whether its elements act on one side only. */
+static inline bool type_is_one_sided(const pdyn_constraint_type *type, const void *params) {
+    return type->flags & PDYN_ONE_SIDED || (type->one_sided && type->one_sided(params));
 }
 /* Whether its energy is stored, not dissipated in the step. */
 static inline bool type_stores_energy(const pdyn_constraint_type *type) {

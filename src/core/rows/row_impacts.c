@@ -14,6 +14,32 @@ static double yield_of(const struct velocity_change *change, int particle) {
     return change->yield ? change->yield[particle] : 1.0;
 }
 
+/* The sum of a row's coefficients; 0 where it joins particles alone: nothing else has a part in it.
+ */
+static double sum_of_row(const struct batch *b, int r) {
+    double sum = 0.0, size = 0.0;
+    for (int k = b->view.row_entry[r]; k < b->view.row_entry[r + 1]; k++)
+        sum += b->view.coefficient[k], size += fabs(b->view.coefficient[k]);
+    return fabs(sum) > 1e-9 * size ? sum : 0.0;
+}
+
+/* The rate of the length of a string before the step, m/s, along its direction then, less that of
+ * the same velocities along its direction after the step. The string turns in the step: without
+ * this difference the force that keeps a body on a circle would be an impact. A string is a row
+ * that always exists, is 0 for common motions, and has a force along u. 0 for other rows. */
+static double rate_by_turn(const struct batch *b, int r, const struct velocity_change *change,
+                           const v4 *flux, const v4 *slowed) {
+    v4 u = {0}, start, before;
+    if (!batch_is_static(b) || sum_of_row(b, r) != 0.0) return 0.0;
+    memcpy(&u, b->view.u + 3 * (size_t)r, 3 * sizeof(double));
+    gather_row(b, r, change->start, &start), gather_row(b, r, change->after, &before);
+    before += *slowed;
+    double force = sqrt(v4_dot(flux, flux)), length = sqrt(v4_dot(&start, &start));
+    double along = v4_dot(flux, &u) / (force * sqrt(v4_dot(&u, &u)));
+    if (!(fabs(along) > 1.0 - 1e-9 && length > 0.0)) return 0.0;
+    return along * v4_dot(&start, &before) / length - v4_dot(flux, &before) / force;
+}
+
 /* Replaces the flux of each row by its impact part. As in one_sided.c, the change of velocity is
  * the larger of two: by this row alone, and by all rows, because the contacts of a point share the
  * force that stops it. */
@@ -35,23 +61,15 @@ static void compute_impacts(void *arg, int first, int last, int block) {
         if (force > 0.0) {
             double weight = v->weight[b->entry_element[v->row_entry[r]]];
             double all = v4_dot(&flux, &acceleration) / force;
-            part = impact_part(v4_dot(&flux, &slowed) / force, h * fmax(all, force * softness),
-                               h * h * weight * softness);
+            double stopped =
+                v4_dot(&flux, &slowed) / force + rate_by_turn(b, r, c->change, &flux, &slowed);
+            part = impact_part(stopped, h * fmax(all, force * softness), h * h * weight * softness);
         }
         flux *= part;
         v4_store(b->flux, r, &flux);
         count += part > 0.5;
     }
     b->partial[block] = count;
-}
-
-/* The sum of a row's coefficients; 0 where it joins particles alone: nothing else has a part in it.
- */
-static double sum_of_row(const struct batch *b, int r) {
-    double sum = 0.0, size = 0.0;
-    for (int k = b->view.row_entry[r]; k < b->view.row_entry[r + 1]; k++)
-        sum += b->view.coefficient[k], size += fabs(b->view.coefficient[k]);
-    return fabs(sum) > 1e-9 * size ? sum : 0.0;
 }
 
 void rows_keep_impacts(struct batch *b, const double *kept) {

@@ -158,6 +158,7 @@ static int find_impacts(struct pdyn_sim *sim, double h, double *force) {
     double *slowed = sim->trial;
     struct velocity_change change = {.slowed = slowed,
                                      .after = sim->v,
+                                     .start = sim->x,
                                      .lists = objective_lists(objective),
                                      .taken = 1.0 - objective->h / h,
                                      .particles = objective->particles,
