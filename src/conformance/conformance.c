@@ -56,6 +56,12 @@ static bool has_vertices(struct check *check) {
     return true;
 }
 
+static bool has_switch(const pdyn_constraint_type *type) {
+    const pdyn_param *p = type->params;
+    while (p->name && p->kind != PDYN_BOOL) p++;
+    return p->name;
+}
+
 static void check_type(struct check *check) {
     static const unsigned excludes[BODY_KINDS] = {[SURFACE] = PDYN_ON_PARTICLES | PDYN_ON_VOLUME |
                                                               PDYN_ON_CLOSED,
@@ -64,7 +70,11 @@ static void check_type(struct check *check) {
     for (int kind = 0; kind < BODY_KINDS && !check->faults; kind++) {
         check->kind = (enum body_kind)kind;
         if (check->type->flags & excludes[kind]) continue;
-        if (kind != PARTICLES || has_vertices(check)) check_type_on(check);
+        if (kind == PARTICLES && !has_vertices(check)) continue;
+        for (int k = 0; k <= has_switch(check->type) && !check->faults; k++) {
+            check->switched = k;
+            check_type_on(check);
+        }
     }
 }
 

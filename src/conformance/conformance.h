@@ -21,6 +21,7 @@ struct check {                /* the checks of one constraint type or one solver
     const pdyn_global_solver *solver;
     enum body_kind kind; /* of the trial's body */
     enum strain strain;  /* of the trial's body */
+    bool switched;       /* parameters that are true or false differ from their defaults */
     int found;           /* elements of all trials */
     int active;          /* elements that pulled in some trial: u differed from p */
     void (*tell)(void *user, const char *text);
@@ -50,9 +51,9 @@ pdyn_context *trial_context(const pdyn_context *like, int threads);
 enum trial_size { SMALL, LARGE, SIZES }; /* LARGE: parallel loops have several blocks */
 
 enum { TRIAL_TEXT = 1 << 16 }; /* size of the text of a scene */
-/* Writes a scene: one body of this kind and size with one constraint of this type; "solver": the
- * given type and step ("newton" or "projective"). */
-void trial_scene(char text[TRIAL_TEXT], const pdyn_constraint_type *type, enum body_kind kind,
+/* Writes a scene: one body of check->kind and this size with one constraint of this type; "solver":
+ * the given type and step ("newton" or "projective"). */
+void trial_scene(char text[TRIAL_TEXT], const struct check *check, const pdyn_constraint_type *type,
                  enum trial_size size, const char *solver, const char *step);
 
 /* Gives each part of a body other numbers in the tables of its constraints, so that a wrong row

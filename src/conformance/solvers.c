@@ -111,7 +111,7 @@ static void step(struct check *check, const pdyn_constraint_type *type, enum tri
     static const int threads[] = {3, 2, 8}; /* a LARGE scene: 3 only */
     uint64_t one, more;
     char scene[TRIAL_TEXT];
-    trial_scene(scene, type, check->kind, size, solver, kind);
+    trial_scene(scene, check, type, size, solver, kind);
     if (!run(check, scene, 1, &one)) return;
     for (int n = 0; n < (size == LARGE ? 1 : 3); n++) {
         if (!run(check, scene, threads[n], &more)) return;

@@ -18,7 +18,9 @@ void fault(struct check *check, const char *format, ...) {
     vsnprintf(what, sizeof what, format, args);
     va_end(args);
     const char *name = check->type ? check->type->name : check->solver->name;
-    if (check->type) snprintf(text, sizeof text, "%s (%s): %s", name, bodies[check->kind], what);
+    if (check->type)
+        snprintf(text, sizeof text, "%s (%s%s): %s", name, bodies[check->kind],
+                 check->switched ? ", true and false exchanged" : "", what);
     else snprintf(text, sizeof text, "%s: %s", name, what);
     check->faults++;
     if (check->tell) check->tell(check->user, text);
@@ -57,7 +59,6 @@ static double value_for(const pdyn_param *p) {
 /* By parameter kind; arguments: the name, then three times the value. */
 static const char *const format_of[] = {[PDYN_REAL] = ", \"%s\": %.17g",
                                         [PDYN_INT] = ", \"%s\": %.0f",
-                                        [PDYN_BOOL] = ", \"%s\": true",
                                         [PDYN_VECTOR] = ", \"%s\": [%.17g, %.17g, %.17g]",
                                         [PDYN_VERTICES] = ", \"%s\": {\"vertices\": [0, 4]}",
                                         [PDYN_PATH] = ", \"%s\": [[0, 0, 0, 0], [1, 0.1, 0, 0]]",
@@ -99,16 +100,20 @@ static void write_table(char *text, size_t size, const pdyn_param *p, enum body_
     if (listed) text_append(text, size, "]");
 }
 
-/* Writes the required parameters, and real ones whose default lies within the bounds (others have
- * no default). */
-static void write_params(char *text, size_t size, const pdyn_constraint_type *type,
-                         enum body_kind kind, enum trial_size trial) {
+/* Writes the required parameters, those that are true or false, and real ones whose default lies
+ * within the bounds (others have no default). */
+static void write_params(char *text, size_t size, const struct check *check,
+                         const pdyn_constraint_type *type, enum trial_size trial) {
     for (const pdyn_param *p = type->params; p->name; p++) {
         bool given = p->required || (p->kind == PDYN_REAL && isfinite(p->def) && p->def >= p->min &&
                                      p->def <= p->max);
         size_t length = strlen(text);
         double value = value_for(p);
-        if (given && param_is_table(p)) write_table(text, size, p, kind, trial);
+        bool usual = p->required || p->def != 0.0; /* of one that is true or false */
+        if (given && param_is_table(p)) write_table(text, size, p, check->kind, trial);
+        else if (p->kind == PDYN_BOOL)
+            text_append(text, size, ", \"%s\": %s", p->name,
+                        usual != check->switched ? "true" : "false");
         else if (given)
             snprintf(text + length, size - length, format_of[p->kind], p->name, value, value,
                      value);
@@ -148,7 +153,7 @@ static bool needs_other(const pdyn_constraint_type *type) {
     return false;
 }
 
-void trial_scene(char text[TRIAL_TEXT], const pdyn_constraint_type *type, enum body_kind kind,
+void trial_scene(char text[TRIAL_TEXT], const struct check *check, const pdyn_constraint_type *type,
                  enum trial_size size, const char *solver, const char *step) {
     static const char *const bodies[BODY_KINDS][SIZES] = {
         [SURFACE] = {SHEET("[5, 6]"), SHEET("[46, 46]")},
@@ -159,9 +164,10 @@ void trial_scene(char text[TRIAL_TEXT], const pdyn_constraint_type *type, enum b
         "\"linear_tolerance\": 1e-12, \"tolerance\": 1e-6, \"linear_iterations\": 100000",
         "\"linear_iterations\": 20, \"outer_iterations\": 2"};
     static const char *const besides[SIZES] = {BESIDE("0.05"), BESIDE("0.0125")};
+    enum body_kind kind = check->kind;
     const char *first = kind == PARTICLES && !needs_other(type) ? drops[size] : OTHER;
     char params[TRIAL_TEXT / 4] = "", beside[TRIAL_TEXT / 3] = "";
-    write_params(params, sizeof params, type, kind, size);
+    write_params(params, sizeof params, check, type, size);
     if (type->matrix_free) snprintf(beside, sizeof beside, besides[size], type->name, params);
     snprintf(text, TRIAL_TEXT,
              "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.004,"
@@ -306,7 +312,7 @@ bool trial_start(struct trial *t, struct check *check, const pdyn_constraint_typ
     char scene[TRIAL_TEXT];
     *t = (struct trial){.context = trial_context(check->like, 1)};
     if (!t->context) return false;
-    trial_scene(scene, type, check->kind, SMALL, solver, "newton");
+    trial_scene(scene, check, type, SMALL, solver, "newton");
     pdyn_status status = load(t, check->strain, scene);
     if (status == PDYN_OK) return true;
     fault(check, "%s", pdyn_last_error(t->context));
