@@ -289,8 +289,9 @@ typedef struct pdyn_parameter_info {
     bool changeable;         /* by pdyn_set_parameter (control.h) */
     const char *doc;         /* what it is, for users */
 } pdyn_parameter_info;
-/* The numeric parameters of a constraint, as the simulation uses them: given, default, or computed.
- * parameter: index from 0. All members 0: no such parameter. */
+/* The numeric parameters of a constraint, and those that are true (1) or false (0), as the
+ * simulation uses them: given, default, or computed. parameter: index from 0. All members 0: no
+ * such parameter. */
 PDYN_API void pdyn_get_parameter_sized(const pdyn_sim *sim, int constraint, int parameter,
                                        pdyn_parameter_info *out, size_t size);
 static inline pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int constraint,

@@ -81,22 +81,26 @@ static pdyn_constraint_info get_constraint(const pdyn_sim *sim, int constraint) 
     return (pdyn_constraint_info){b->type->name, b->view.body->name, b->view.elements, b->energy};
 }
 
-/* A value outside of its bounds means: none (param_has_default). */
-static bool has_value(const pdyn_param *p, const double *value) {
-    return p->kind == PDYN_REAL && *value >= p->min && *value <= p->max;
+/* Whether a parameter has a value that is a number, or 0 for false and 1 for true. A number outside
+ * of its bounds means: none (param_has_default). */
+static bool find_value(const pdyn_param *p, const void *field, double *value) {
+    if (p->kind == PDYN_BOOL) *value = *(const bool *)field;
+    else if (p->kind == PDYN_REAL) *value = *(const double *)field;
+    return p->kind == PDYN_BOOL || (p->kind == PDYN_REAL && *value >= p->min && *value <= p->max);
 }
 
 static pdyn_parameter_info get_parameter(const pdyn_sim *sim, int constraint, int parameter) {
     if (!sim_has_constraint(sim, constraint)) return (pdyn_parameter_info){0};
     const struct batch *b = sim->objective.batch[constraint];
     for (const pdyn_param *p = b->type->params; p->name; p++) {
-        const double *value = (const double *)((const char *)b->params + p->offset);
-        if (has_value(p, value) && parameter-- == 0)
+        bool is_switch = p->kind == PDYN_BOOL;
+        double value = 0.0;
+        if (find_value(p, (const char *)b->params + p->offset, &value) && parameter-- == 0)
             return (pdyn_parameter_info){.name = p->name,
-                                         .unit = p->unit,
-                                         .value = *value,
-                                         .minimum = p->min,
-                                         .maximum = p->max,
+                                         .unit = is_switch ? "1" : p->unit,
+                                         .value = value,
+                                         .minimum = is_switch ? 0.0 : p->min,
+                                         .maximum = is_switch ? 1.0 : p->max,
                                          .changeable = param_is_changeable(b->type, p),
                                          .doc = p->doc};
     }
