@@ -281,7 +281,8 @@ class Scene:
         if len(found) > 1 and r.random() < 0.2:
             found[0]["constraints"].append(
                 {"type": "attachment", "to": found[1]["name"], "vertices": {"vertices": [0, 1]},
-                 "stiffness": log_uniform(r, 1e1, 1e6), "length": r.choice([1, 1, 0.5, 2])})
+                 "stiffness": log_uniform(r, 1e1, 1e6), "length": r.choice([1, 1, 0.5, 2]),
+                 "tension_only": self.times.random() < 0.5})
 
     def add_solver(self):
         r = self.random

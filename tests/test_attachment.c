@@ -1,5 +1,5 @@
 /* Attachment: static equilibrium of hanging weights, conservation of momentum, seams, undamped
- * oscillation, a rigid weight on cloth. */
+ * oscillation, a rigid weight on cloth, strings that go slack. */
 #include "support.h"
 
 #include "projdyn/vec3.h"
@@ -60,8 +60,9 @@ static void test_weight(void **state) {
 /* Bodies of a scene: two free sheets; springs of half their initial length. */
 static const char pulled[] = PAIR(
     GRID_SHEET("", "1, 1", "5, 4", "'area_density': 0.3",
-               PAIR(STRAIN("1000"), "{'type': 'attachment', 'to': 'body1', 'vertices': {'border': "
-                                    "true}, 'stiffness': 50, 'length': 0.5, 'damping': %g}")),
+               PAIR(STRAIN("1000"),
+                    "{'type': 'attachment', 'to': 'body1', 'vertices': {'border': "
+                    "true}, 'stiffness': 50, 'length': 0.5, 'damping': %g, 'tension_only': %s}")),
     GRID_SHEET("", "0.8, 0.7", "4, 6",
                "'rotate': [20, 30, 10], 'translate': [0.1, 0.4, 0], 'area_density': 0.2",
                SPRINGS("800")));
@@ -77,10 +78,10 @@ static void momentum(const pdyn_sim *sim, double p[6]) {
 }
 
 /* p: linear and angular momentum (about the origin) after 0.1 s with steps of h. */
-static void pull(double h, double damping, double p[6]) {
+static void pull(double h, double damping, bool string, double p[6]) {
     char bodies[2048];
     pdyn_context *context = test_context(2);
-    snprintf(bodies, sizeof bodies, pulled, damping);
+    snprintf(bodies, sizeof bodies, pulled, damping, string ? "true" : "false");
     pdyn_sim *sim = load(context, h, 0.0, "auto", bodies);
     while (sim->time < 0.1 - 0.5 * h) test_step(sim);
     momentum(sim, p);
@@ -90,10 +91,10 @@ static void pull(double h, double damping, double p[6]) {
 /* Momentum is conserved to rounding; the error of angular momentum is proportional to the step. */
 static void test_momentum(void **state) {
     (void)state;
-    for (int damped = 0; damped < 2; damped++) {
-        double long_steps[6], short_steps[6];
-        pull(4e-3, damped ? 0.05 : 0.0, long_steps);
-        pull(5e-4, damped ? 0.05 : 0.0, short_steps);
+    for (int k = 0; k < 4; k++) {
+        double long_steps[6], short_steps[6], damping = k % 2 ? 0.05 : 0.0;
+        pull(4e-3, damping, k > 1, long_steps);
+        pull(5e-4, damping, k > 1, short_steps);
         assert_true(vec3_length(long_steps) < 1e-13 && vec3_length(short_steps) < 1e-13);
         assert_true(vec3_length(short_steps + 3) < 0.25 * vec3_length(long_steps + 3));
     }
@@ -227,6 +228,153 @@ static void test_rigid_weight(void **state) {
     }
 }
 
+/* ---- strings --------------------------------------------------------------------------------- */
+
+static const double gravity = 9.81; /* m/s^2 */
+
+struct string {
+    const char *velocity; /* of the load, m/s */
+    double stiffness, length, damping;
+    double pin; /* N/m, of the pins of the roof */
+};
+
+/* The four vertices of a sheet without stiffness, the load of 1 kg, each on a string to the roof,
+ * 0.5 m above. Beside them falls a drop, if the solver is one of fluids. */
+static pdyn_sim *load_strings(pdyn_context *context, double h, const char *solver,
+                              const struct string *s) {
+    static const char tied[] = PAIR(
+        GRID_SHEET("'velocity': [%s], ", "0.3, 0.3", "2, 2",
+                   "'translate': [0, -0.5, 0], 'area_density': 11.111111111111111",
+                   "{'type': 'attachment', 'to': 'roof', 'vertices': {'all': true}, 'stiffness': "
+                   "%g, 'length': %g, 'damping': %g, 'tension_only': true}"),
+        GRID_SHEET("'name': 'roof', ", "1, 1", "4, 4", "'area_density': 1",
+                   "{'type': 'pin', 'vertices': {'all': true}, 'stiffness': %g}"));
+    static const char drop[] = ", " FLUID_BOX("'name': 'drop', ", "0.01", "2, 0, 0",
+                                              "2.06, 0.06, 0.06", ", 'stiffness': 1e4");
+    char bodies[2048];
+    snprintf(bodies, sizeof bodies, tied, s->velocity, s->stiffness, s->length, s->damping, s->pin);
+    if (!strcmp(solver, "dual")) strcat(bodies, drop);
+    return load(context, h, -gravity, solver, bodies);
+}
+
+static const char *const all_solvers[] = {"auto", "cg", "hybrid", "cholesky", "dual"};
+enum { SOLVERS = sizeof all_solvers / sizeof *all_solvers };
+
+/* A load on slack strings, whose damping does nothing, flies with the bits of one on strings
+ * without stiffness; without pins, the roof falls, too. */
+static void test_slack(void **state) {
+    (void)state;
+    for (int n = 0; n < 2 * SOLVERS; n++) {
+        const struct string slack = {"1, 2, 0.5", 1e6, 2.5, 0.05, n % 2 ? 1e8 : 0.0};
+        const struct string none = {"1, 2, 0.5", 0.0, 2.5, 0.0, slack.pin};
+        if (test_lacks_solver(all_solvers[n / 2])) continue;
+        pdyn_sim *sim = load_strings(test_context(2), 0.01, all_solvers[n / 2], &slack);
+        pdyn_sim *free = load_strings(test_context(1), 0.01, all_solvers[n / 2], &none);
+        for (int step = 0; step < 25; step++) {
+            test_step(sim), test_step(free);
+            assert_memory_equal(sim->x, free->x, 12 * sizeof *sim->x);
+        }
+        test_close(sim);
+        test_close(free);
+    }
+}
+
+/* A load that falls until its strings are taut hangs at the length of each string plus m g / k. */
+static void test_hanging(void **state) {
+    (void)state;
+    const struct string s = {"0, 0, 0", 1000.0, 1.2, 0.05, 1e10};
+    for (int n = 0; n < SOLVERS; n++) {
+        if (test_lacks_solver(all_solvers[n])) continue;
+        pdyn_sim *sim = load_strings(test_context(1), 0.01, all_solvers[n], &s);
+        pdyn_parameter_info p = pdyn_get_parameter(sim, 0, 3);
+        assert_string_equal(p.name, "tension_only");
+        assert_true(p.value == 1.0 && !p.changeable);
+        for (int step = 0; step < 300; step++) test_step(sim);
+        for (int i = 0; i < 4; i++) {
+            double due = 0.6 + sim->body[0].mass[i] * gravity / s.stiffness;
+            assert_true(fabs(-sim->x[3 * i + 1] / due - 1.0) < 1e-8);
+        }
+        test_close(sim);
+    }
+}
+
+/* Swung with v^2 = 3.5 g l, a load leaves its circle at 120 degrees, flies as high as 27/16 l above
+ * its start, and is caught again. Springs would keep it on the circle, up to 7/4 l. */
+static void test_circle(void **state) {
+    (void)state;
+    const struct string s = {"4.1432475, 0, 0", 1e5, 1.0, 0.0, 1e10};
+    pdyn_sim *sim = load_strings(test_context(1), 0.001, "auto", &s);
+    double highest = -1.0;
+    for (int step = 0; step < 600; step++) {
+        test_step(sim);
+        highest = fmax(highest, sim->x[1] + 0.5);
+    }
+    print_message("%g, expected %g\n", highest / 0.5, 27.0 / 16.0);
+    assert_true(fabs(highest / 0.5 - 27.0 / 16.0) < 0.005);
+    test_close(sim);
+}
+
+static double energy_of(const pdyn_step_info *info) {
+    return info->kinetic_energy + info->potential_energy + info->constraint_energy;
+}
+
+/* s, of a pendulum of 0.5 m with this speed at its lowest point, by the arithmetic-geometric mean.
+ */
+static double exact_period(double speed) {
+    double squares = 0.25 * speed * speed / (gravity * 0.5), a = 1.0, b = sqrt(1.0 - squares);
+    for (int k = 0; k < 6; k++) {
+        double mean = 0.5 * (a + b);
+        b = sqrt(a * b), a = mean;
+    }
+    return 2.0 * acos(-1.0) * sqrt(0.5 / gravity) / a;
+}
+
+/* A pendulum of 2 J keeps its period and its energy, however stiff the string is: the force that
+ * holds it on its circle is no impact. */
+static void test_pendulum(void **state) {
+    (void)state;
+    static const double stiffness[] = {1e4, 1e6, 1e8};
+    const double h = 0.005, middle = -0.15, due = exact_period(2.0); /* x of the first vertex, m */
+    for (int k = 0; k < 3; k++) {
+        const struct string s = {"2, 0, 0", stiffness[k], 1.0, 0.0, 1e12};
+        pdyn_sim *sim = load_strings(test_context(1), h, "auto", &s);
+        pdyn_step_info info = test_step(sim);
+        double first = energy_of(&info), x = sim->x[0], period = 0.0;
+        for (int found = 0; found < 3; x = sim->x[0]) {
+            info = test_step(sim);
+            if (!(x < middle && sim->x[0] >= middle)) continue;
+            found++;
+            period = (sim->time - h * (sim->x[0] - middle) / (sim->x[0] - x)) / found;
+        }
+        print_message("%g s, exact %g s; %g J lost\n", period, due, first - energy_of(&info));
+        assert_true(fabs(period / due - 1.0) < 1e-3);
+        assert_true(fabs(first - energy_of(&info)) < 0.01);
+        test_close(sim);
+    }
+}
+
+/* Strings too stiff for the step stop a fall, in whichever part of a step they become taut. */
+static void test_snap(void **state) {
+    (void)state;
+    double highest = 0.0;
+    for (int k = 0; k < 8; k++) {
+        const struct string s = {"0, 0, 0", k % 2 ? 1e8 : 1e6, 1.3 + 0.01 * k, k < 4 ? 0.0 : 0.05,
+                                 1e12};
+        double taut = -0.5 * s.length;
+        pdyn_sim *sim = load_strings(test_context(1), 0.005, "auto", &s);
+        bool fallen = false;
+        while (sim->time < 1.0) {
+            test_step(sim);
+            fallen |= sim->x[1] < taut;
+            if (fallen) highest = fmax(highest, (sim->x[1] - taut) / (-0.5 - taut));
+        }
+        assert_true(fallen);
+        test_close(sim);
+    }
+    print_message("%g\n", highest);
+    assert_true(highest < 0.1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_weight),
                                        cmocka_unit_test(test_momentum),
@@ -234,6 +382,11 @@ int main(void) {
                                        cmocka_unit_test(test_memory),
                                        cmocka_unit_test(test_oscillation_long),
                                        cmocka_unit_test(test_damped_oscillation_long),
-                                       cmocka_unit_test(test_rigid_weight)};
+                                       cmocka_unit_test(test_rigid_weight),
+                                       cmocka_unit_test(test_slack),
+                                       cmocka_unit_test(test_hanging),
+                                       cmocka_unit_test(test_circle),
+                                       cmocka_unit_test(test_pendulum),
+                                       cmocka_unit_test(test_snap)};
     return cmocka_run_group_tests_name("attachment", tests, NULL, NULL);
 }

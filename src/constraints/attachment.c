@@ -1,17 +1,22 @@
-/* Springs from chosen vertices of a body to the surface of another body: seams, strings, loads.
+/* Springs or strings from chosen vertices of a body to the surface of another body: seams, loads.
  * A spring ends at the surface point closest to its vertex at rest, with barycentric coordinates
  * w_k in a triangle of corners y_k:
  *
- *     u = x - sum_k w_k y_k,     p = l u / |u|,     E = stiffness/2 (|u| - l)^2   (rest_length.h)
+ *     u = x - sum_k w_k y_k,     p = l u / |u|,     E = stiffness/2 (|u| - l)^2
  *
- * The rest length l is "length" times the distance at rest. */
+ * The rest length l is "length" times the distance at rest. With "tension_only" p = u where
+ * |u| < l: the string is slack, without energy and force. */
 #include "projdyn/closest3.h"
-#include "projdyn/rest_length.h"
+#include "projdyn/module.h"
+#include "projdyn/vec3.h"
+
+#include <string.h>
 
 struct params {
     pdyn_other to;
     pdyn_vertices vertices;
     double stiffness, length, damping;
+    bool tension_only;
 };
 
 static const pdyn_param params[] = {
@@ -25,7 +30,15 @@ static const pdyn_param params[] = {
      "of a spring at rest, over the distance at the start; 0 pulls together, as a seam"},
     {"damping", PDYN_REAL, offsetof(struct params, damping), false, 0, 0, 1e6, "s",
      "force = stiffness (change of length + damping x its rate)"},
+    {"tension_only", PDYN_BOOL, offsetof(struct params, tension_only), false, 0, 0, 0, "",
+     "a string: no force where it is shorter than at rest; damping acts while it gets longer"},
     {0}};
+
+/* The data of an element, m. The larger one is the length of p. */
+struct length {
+    double slack; /* up to here a string is slack, also that of the damper; 0 of a spring */
+    double rest;  /* l; of the damper, the length at the base of the step */
+};
 
 enum { WIDTH = 4 }; /* entries of a row: the vertex, the three corners of the triangle */
 
@@ -64,7 +77,8 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
             column[1 + k] = other->first + other->triangle[3 * t + k];
             coefficient[1 + k] = -w[k];
         }
-        ((double *)b->data)[e] = q->length * distance;
+        double rest = q->length * distance;
+        ((struct length *)b->data)[e] = (struct length){q->tension_only ? rest : 0.0, rest};
     }
 }
 
@@ -72,22 +86,54 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     for (int e = first; e < last; e++) b->weight[e] = ((const struct params *)par)->stiffness;
 }
 
+/* The length of p, m, unless the element is slack. */
+static double length_of(const pdyn_batch *b, int e) {
+    const struct length *d = (const struct length *)b->data + e;
+    return fmax(d->slack, d->rest);
+}
+
+static bool is_slack(const struct params *q, const pdyn_batch *b, int e) {
+    return q->tension_only && vec3_length(b->u + 3 * (size_t)e) <= length_of(b, e);
+}
+
+static void project(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++)
+        if (is_slack(par, b, e)) memcpy(b->p + 3 * e, b->u + 3 * e, 3 * sizeof *b->p);
+        else vec3_project_length(b->p + 3 * e, b->u + 3 * e, length_of(b, e));
+}
+
+static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *axis) {
+    static const double identity[] = {0.0, 0.0, 0.0, 1.0};
+    for (int e = first; e < last; e++, axis += 4)
+        if (is_slack(par, b, e)) memcpy(axis, identity, sizeof identity);
+        else vec3_axis_length(axis, b->u + 3 * e, length_of(b, e));
+}
+
+static bool one_sided(const void *par) { return ((const struct params *)par)->tension_only; }
+
 static double damping(const void *par) { return ((const struct params *)par)->damping; }
+
+static void damping_rest(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++)
+        ((struct length *)b->data)[e].rest = vec3_length(b->u + 3 * e);
+}
 
 const pdyn_constraint_type pdyn_constraint_attachment = {
     .name = "attachment",
-    .summary = "springs from chosen points to the surface of another body",
+    .summary = "springs or strings from chosen points to the surface of another body",
     .flags = PDYN_ON_SURFACE | PDYN_SEVERAL,
     .params_size = sizeof(struct params),
     .params = params,
-    .data_size = sizeof(double),
+    .data_size = sizeof(struct length),
     .elements = elements,
     .rows = 1,
     .width = WIDTH,
     .select = select,
     .weight = weight,
-    .project = rest_length_project,
-    .tangent_rank1 = rest_length_tangent,
+    .project = project,
+    .tangent_rank1 = tangent,
     .damping = damping,
-    .damping_rest = rest_length_damping_rest,
+    .damping_rest = damping_rest,
+    .one_sided = one_sided,
 };
