@@ -5,32 +5,43 @@
 
 #include <string.h>
 
-/* Two lattices in each other: one of the first steps fails, and the state is that before it. The
- * message names the causes that the run has shown: the overlap, and particles that passed. */
+/* Two lattices of water in each other, and further bodies. */
+#define OVERLAPPING(bodies)                                                                        \
+    SCENE("'time_step': {'fixed': 0.001}, 'duration': 1",                                          \
+          "{'name': 'water', 'particles': {'radius': 0.01, 'fill': ["                              \
+          "{'box': {'minimum': [0, 0, 0], 'maximum': [0.1, 0.1, 0.1]}}, {'box': "                  \
+          "{'minimum': [0.01, 0.01, 0.01], 'maximum': [0.11, 0.11, 0.11]}}]}, "                    \
+          "'constraints': [{'type': 'fluid', 'stiffness': 1e5}]}" bodies,                          \
+          "")
+
+/* One of the first steps fails, and the state is that before it. The message names the causes that
+ * the run has shown: the overlap, water that was compressed, and particles that passed. Water alone
+ * has no use for contact. */
 static void test_overlap(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim =
-        test_load(context, "{'time_step': {'fixed': 0.001}, 'duration': 1, 'bodies': [{'name': "
-                           "'water', 'particles': {'radius': 0.01, 'fill': "
-                           "[{'box': {'minimum': [0, 0, 0], 'maximum': [0.1, 0.1, 0.1]}}, {'box': "
-                           "{'minimum': [0.01, 0.01, 0.01], 'maximum': [0.11, 0.11, 0.11]}}]}, "
-                           "'constraints': [{'type': 'fluid', 'stiffness': 1e5}]}]}");
-    uint64_t hash = 0;
-    pdyn_status status = PDYN_OK;
-    warnings_count(&sim->warnings, WARNING_LEAK, "", 0.0, 1, 0.0);
-    for (int n = 0; n < 5 && status == PDYN_OK; n++) {
-        hash = pdyn_state_hash(sim);
-        status = pdyn_step(sim, NULL);
+    const char *const scene[] = {OVERLAPPING(""), OVERLAPPING(", " SHEET_AT("sheet", "-1"))};
+    for (int sheet = 0; sheet < 2; sheet++) {
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim = test_load(context, scene[sheet]);
+        uint64_t hash = 0;
+        pdyn_status status = PDYN_OK;
+        warnings_count(&sim->warnings, WARNING_LEAK, "", 0.0, 1, 0.0);
+        warnings_count(&sim->warnings, WARNING_COMPRESSED, "", 0.0, 1, 0.0);
+        for (int n = 0; n < 5 && status == PDYN_OK; n++) {
+            hash = pdyn_state_hash(sim);
+            status = pdyn_step(sim, NULL);
+        }
+        assert_int_equal(status, PDYN_DIVERGED);
+        const char *error = pdyn_last_error(context);
+        assert_non_null(strstr(error, "the kinetic energy rises to"));
+        assert_non_null(strstr(error, "J; particles overlap at the start"));
+        assert_non_null(strstr(error, "; the fluid has been compressed by more than 10 %"));
+        assert_non_null(strstr(error, "; bodies have passed through each other or through solids"));
+        assert_int_equal(!!strstr(error, ", and the scene has no \"contact\""), sheet);
+        assert_null(strstr(error, "unsolved"));
+        assert_true(pdyn_state_hash(sim) == hash);
+        test_close(sim);
     }
-    assert_int_equal(status, PDYN_DIVERGED);
-    const char *error = pdyn_last_error(context);
-    assert_non_null(strstr(error, "the kinetic energy rises to"));
-    assert_non_null(strstr(error, "J; particles overlap at the start"));
-    assert_non_null(strstr(error, "through solids, and the scene has no \"contact\""));
-    assert_null(strstr(error, "unsolved"));
-    assert_true(pdyn_state_hash(sim) == hash);
-    test_close(sim);
 }
 
 /* A stretched sheet releases the energy that the scene gives it. */

@@ -1,5 +1,6 @@
 #include "energy_budget.h"
 
+#include "base/body.h"
 #include "base/param_kind.h"
 #include "extent.h"
 #include "inlets.h"
@@ -202,15 +203,25 @@ static const char *fastest_body(const struct pdyn_sim *sim) {
     return name;
 }
 
-/* The causes of a rise that the run has shown, for the message; "": none. */
+static bool has_surface(const struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++)
+        if (!body_is_particles(&sim->body[b])) return true;
+    return false;
+}
+
+/* The causes of a rise that the run has shown, for the message; "": none. Contact keeps surfaces
+ * from passing, not particles of a fluid alone through solids. */
 static void list_causes(char *text, size_t size, const struct pdyn_sim *sim) {
     bool passed = warnings_has(&sim->warnings, WARNING_LEAK);
     bool overlap = sim->energy.density_error > normal_density_error;
+    bool compressed = warnings_has(&sim->warnings, WARNING_COMPRESSED);
     bool unsolved = warnings_has(&sim->warnings, WARNING_UNSOLVED);
-    snprintf(text, size, "%s%s%s%s",
+    bool open = passed && !sim->scene.has_contact && has_surface(sim);
+    snprintf(text, size, "%s%s%s%s%s",
              overlap ? "; particles overlap at the start, or are too close to each other" : "",
+             compressed ? "; the fluid has been compressed by more than 10 %" : "",
              passed ? "; bodies have passed through each other or through solids" : "",
-             passed && !sim->scene.has_contact ? ", and the scene has no \"contact\"" : "",
+             open ? ", and the scene has no \"contact\"" : "",
              unsolved ? "; steps are unsolved" : "");
 }
 
