@@ -413,6 +413,21 @@ static void test_gap(void **state) {
     assert_false(warns(ABOVE_FLOOR("0.006"), "too-close", "cube"));
 }
 
+/* A thickness above the edges is told before contact finds its pairs, which may take all memory:
+ * the warning comes although the scene is refused, because its sheets intersect. */
+static void test_thickness_first(void **state) {
+    (void)state;
+    struct warnings warnings = {"the contact thickness of 0.05 m is above its mean edge length", 0};
+    pdyn_context *context = test_warned_context(1, &warnings);
+    pdyn_sim *sim = NULL;
+    const char *scene =
+        SCENE(STEPS, PAIR(SHEET_AT("lower", "0"), SHEET_AT("upper", "0")), CONTACT("0.05"));
+    assert_int_equal(pdyn_load_text(context, quoted(scene), "scene", NULL, 0, &sim),
+                     PDYN_BAD_INPUT);
+    assert_int_equal(warnings.count, 2);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_saved),
@@ -428,6 +443,7 @@ int main(void) {
         cmocka_unit_test(test_places),
         cmocka_unit_test(test_far),
         cmocka_unit_test(test_gap),
+        cmocka_unit_test(test_thickness_first),
         cmocka_unit_test(test_closed_tops),
         cmocka_unit_test(test_momentum),
         cmocka_unit_test(test_momentum_of_bending),

@@ -29,7 +29,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     sim->services = context_services(sim->context);
     sim->objective.context = sim->context;
     pdyn_status status = bodies_create(sim);
-    if (status == PDYN_OK) warn_of_memory(sim);
+    if (status == PDYN_OK) warn_of_memory(sim), warn_of_thickness(sim);
     if (status == PDYN_OK) status = rigid_bodies_create(sim);
     if (status == PDYN_OK) status = live_particles_create(sim);
     if (status == PDYN_OK) bodies_forget_start(sim);

@@ -15,6 +15,9 @@ struct pdyn_sim;
 /* Warns of more memory than there is, which a system often answers by ending the program without a
  * word. Right after the bodies are made. */
 void warn_of_memory(struct pdyn_sim *sim);
+/* Warns of a contact thickness above the edges of a mesh. Before contact finds its pairs, for which
+ * the memory may not suffice. */
+void warn_of_thickness(struct pdyn_sim *sim);
 /* Raises warnings about values that are legal but surely not meant. */
 pdyn_status warn_of_scene(struct pdyn_sim *sim);
 /* The same about meshes, about inlets, outlets and times, about values in a wrong unit or with a

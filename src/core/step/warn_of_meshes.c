@@ -216,6 +216,9 @@ void warn_of_meshes(struct pdyn_sim *sim) {
         check_slivers(sim, b);
         check_cells(sim, b);
         check_filled(sim, b);
-        check_thickness(sim, b);
     }
+}
+
+void warn_of_thickness(struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++) check_thickness(sim, b);
 }
