@@ -162,10 +162,16 @@ static void check_edges(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
          max_edge);
 }
 
+/* Whether the fluid is there at the start: on what inlets pour over a body it does not float. */
+static bool is_there(const struct pdyn_sim *sim, const pdyn_body *fluid) {
+    return fluid->count > sim->scene.body[fluid - sim->body].budget;
+}
+
 void warn_of_water(struct pdyn_sim *sim) {
     const struct scene_settings *settings = &sim->scene.settings;
     const pdyn_body *fluid = warn_lightest_fluid(sim);
-    bool sinks = vec3_length(settings->gravity) > 0.0 || settings->gravity_keys.path.count;
+    bool falls = vec3_length(settings->gravity) > 0.0 || settings->gravity_keys.path.count;
+    bool sinks = fluid && falls && is_there(sim, fluid);
     for (int b = 0; b < sim->bodies && fluid; b++) {
         if (sinks) check_weight(sim, b, fluid);
         check_edges(sim, b, fluid);
