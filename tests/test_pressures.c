@@ -141,6 +141,32 @@ static void test_trial(void **state) {
     test_close(sim);
 }
 
+/* After a step of the dual solver that ends far from solved, positions are used for 16 steps. The
+ * first of these that is far from solved, too, ends this wait. After the next failure of the dual
+ * solver it takes two of them. */
+static void test_unsolved(void **state) {
+    (void)state;
+    pdyn_sim *sim = test_open(POUR(ROUGH, "1e6"));
+    const struct solver_choice *c = &sim->choice;
+    end_step(sim, 100);
+    assert_true(c->active == 1 && c->trial);
+    for (int failures = 1; failures <= 2; failures++) {
+        sim->far_off = true;
+        end_step(sim, 10);
+        assert_true(c->active == 0 && c->wait == 8 << failures);
+        sim->far_off = false;
+        end_step(sim, 100);
+        assert_int_equal(c->active, 0);
+        sim->far_off = true;
+        for (int k = 0; k < failures; k++) {
+            assert_int_equal(c->active, 0);
+            end_step(sim, 100);
+        }
+        assert_true(c->active == 1 && c->trial);
+    }
+    test_close(sim);
+}
+
 /* A product with H visits each entry of rows once, and each density twice; vectors come in
  * addition.
  */
@@ -248,11 +274,11 @@ static void test_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_motion),     cmocka_unit_test(test_stiff),
-        cmocka_unit_test(test_very_stiff),      cmocka_unit_test(test_surprise),
-        cmocka_unit_test(test_trial),           cmocka_unit_test(test_work),
-        cmocka_unit_test(test_remainder_error), cmocka_unit_test(test_overshoot),
-        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_same_motion), cmocka_unit_test(test_stiff),
+        cmocka_unit_test(test_very_stiff),  cmocka_unit_test(test_surprise),
+        cmocka_unit_test(test_trial),       cmocka_unit_test(test_unsolved),
+        cmocka_unit_test(test_work),        cmocka_unit_test(test_remainder_error),
+        cmocka_unit_test(test_overshoot),   cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests_name("pressures", tests, NULL, NULL);
 }

@@ -18,6 +18,9 @@ enum { CHEAP = 30 };
 enum { MANY = 200 };
 static const double surprise = 4.0;
 
+/* A step in positions that ends far from solved shortens the wait by so many steps. */
+enum { FAR_OFF = 16 };
+
 /* Steps of a trial that is won, and of the mean cost of a solver. A trial may be lost after two. */
 enum { TRIAL = 4, LOST = 2 };
 
@@ -172,6 +175,12 @@ static void wait_for_trial(struct pdyn_sim *sim, bool lost) {
     c->next = sim->steps + c->wait, c->trial = false;
 }
 
+/* Where neither solver solves the steps, at most one step in five is one with a dual solver. */
+static void shorten_wait(struct pdyn_sim *sim) {
+    long *next = &sim->choice.next;
+    *next = sim->steps + FAR_OFF < *next ? *next - FAR_OFF : sim->steps;
+}
+
 void solver_choice_open(struct pdyn_sim *sim) { sim->choice.opened = sim->objective.work; }
 
 static double work_of_step(const struct pdyn_sim *sim) {
@@ -216,6 +225,7 @@ void solver_choice_step(struct pdyn_sim *sim, int iterations) {
     if (shared) c->slot[!c->active].cost = cost;
     if (!shared || !c->trial) update_cost(c, cost); /* else the trial has spoilt the step */
     if (decide(sim, shared) || c->trial || iterations <= CHEAP) return;
+    if (sim->far_off) shorten_wait(sim);
     if (sim->steps < c->next && !is_worse(c)) return;
     change_solver(sim);
     c->trial = true;

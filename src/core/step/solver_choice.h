@@ -8,10 +8,11 @@
  * when its cost is less, as last known, or after a number of steps, which grows with every trial
  * that it loses. It wins with four steps whose mean is less: a single cheap step decides nothing. A
  * step that takes many times the work of the steps before it is ended by the other solver: the
- * first step of its trial. A step in pressures that ends far from solved is the last one for a
- * while. A solver that comes back into use has the damping that it had: to find it again would take
- * up to three times the work of a step. Counts decide, never times, so that results are the same on
- * every machine. */
+ * first step of its trial. After a step in pressures that ends far from solved, positions are used
+ * for a while; steps in positions that end far from solved, too, shorten this wait. A solver that
+ * comes back into use has the damping that it had: to find it again would take up to three times
+ * the work of a step. Counts decide, never times, so that results are the same on every machine.
+ */
 #ifndef PDYN_SOLVER_CHOICE_H
 #define PDYN_SOLVER_CHOICE_H
 
