@@ -48,9 +48,15 @@ static const char *status_name(int status) {
     }
 }
 
-/* The JSON object of result.json. error: the signal, or the last message of the job. */
+/* Why a job failed: the signal, or its last message; "" for a good one. The caller frees it. */
+static char *error_of(const char *directory, int status) {
+    if (WIFSIGNALED(status)) return strdup(strsignal(WTERMSIG(status)));
+    return WEXITSTATUS(status) == EXIT_GOOD ? strdup("") : last_error(directory);
+}
+
+/* The JSON object of result.json. */
 static json_t *make_result(const char *directory, const struct job *job, int status, double cpu) {
-    char *error = WIFSIGNALED(status) ? strdup(strsignal(WTERMSIG(status))) : last_error(directory);
+    char *error = error_of(directory, status);
     json_t *set = json_array(), *text = error ? json_string(error) : NULL;
     for (int k = 0; k < job->sets; k++) json_array_append_new(set, json_string(job->set[k]));
     if (error && !text) text = json_string("(the message is not UTF-8)");

@@ -104,6 +104,10 @@ class Trade(unittest.TestCase):
         with open(OUT / "trade.csv") as file:
             cls.rows = list(csv.DictReader(file))
 
+    def test_says_once(self):
+        """The notes of a scene come once, not with each run."""
+        self.assertEqual(self.said.count("particles of radius 0.05 m fill 93.8 %"), 1)
+
     def test_many(self):
         self.assertGreater(len(self.rows), 30)
         self.assertGreaterEqual(sum(row["on_front"] == "1" for row in self.rows), 2)

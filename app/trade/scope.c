@@ -59,6 +59,7 @@ int scope_find(struct scope *s, const struct jobs *jobs, double length, double r
         fprintf(stderr, "projdyn: trade: --twin: nothing in the scene can be made coarser\n");
         return EXIT_BAD_INPUT;
     }
+    s->runs.silent = false; /* says once what loading the scene says */
     if (code == EXIT_GOOD)
         code = time_window_find(jobs, &s->runs, length, run_budget_s, &s->window);
     return code == EXIT_GOOD && automatic && !s->window.whole ? find_replica(s, jobs, run_budget_s)

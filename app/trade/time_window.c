@@ -42,11 +42,9 @@ static int reachable_length(const struct jobs *jobs, const struct scene_options 
 
 int time_window_find(const struct jobs *jobs, const struct scene_options *scene, double length,
                      double run_budget_s, struct time_window *window) {
-    struct scene_options options = *scene;
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
-    options.threads = 1, options.silent = true;
-    int code = scene_load(&options, &context, &sim);
+    int code = scene_load(scene, &context, &sim);
     if (code == EXIT_GOOD && length == 0.0)
         code = reachable_length(jobs, scene, run_budget_s, &length);
     if (code == EXIT_GOOD) set_window(window, sim, fmin(length, pdyn_duration(sim)));
