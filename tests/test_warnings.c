@@ -406,11 +406,27 @@ static void test_momentum_beside_fluid(void **state) {
           ", 'solids': [{'name': 'floor', 'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], "    \
           "'size': 1}}]" CONTACT("0.01"))
 
-/* A cube that starts above a floor, at less than half of the thickness and at more. */
+#define TWO_SHEETS(pins)                                                                           \
+    SCENE(STEPS,                                                                                   \
+          PAIR(SHEET(PINS("'box': {'minimum': [-1, -1, -1], 'maximum': [1, 1, 1]}")),              \
+               GRID_SHEET("'name': 'upper', ", "0.16, 0.16", "9, 9",                               \
+                          "'area_density': 0.2, 'translate': [0, 0.004, 0]",                       \
+                          SPRINGS("100") ", " PINS(pins))),                                        \
+          CONTACT("0.01"))
+
+static bool are_too_close(const char *sheets) {
+    return warns(sheets, "too-close", "sheet") || warns(sheets, "too-close", "upper");
+}
+
+/* A cube that starts above a floor, at less than half of the thickness and at more. Two sheets that
+ * pins hold do not move, and a sheet that is free inside of its border does. */
 static void test_gap(void **state) {
     (void)state;
     assert_true(warns(ABOVE_FLOOR("0.004"), "too-close", "cube"));
     assert_false(warns(ABOVE_FLOOR("0.006"), "too-close", "cube"));
+    assert_false(are_too_close(TWO_SHEETS("'box': {'minimum': [-1, -1, -1], "
+                                          "'maximum': [1, 1, 1]}")));
+    assert_true(are_too_close(TWO_SHEETS("'border': true")));
 }
 
 /* A thickness above the edges is told before contact finds its pairs, which may take all memory:

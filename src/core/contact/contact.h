@@ -50,9 +50,11 @@ struct contact_gap { /* two surfaces, or a surface and a solid, that are in cont
     const char *name[2];
     double distance, thickness, x[3]; /* m: of the pair that is closest for its thickness; where */
 };
-/* Finds that pair in the contacts of the last local step. distance and thickness are 1 if there is
- * none. */
-struct contact_gap contact_smallest_gap(const struct contact *contact);
+/* Finds that pair in the contacts of the last local step that count. distance and thickness are 1
+ * if there is none. */
+struct contact_gap contact_smallest_gap(const struct contact *contact,
+                                        bool (*counts)(const void *user, const pdyn_contact *),
+                                        const void *user);
 
 /* Writes or reads what the next step depends on. */
 void contact_persist(struct contact *contact, struct snapshot_file *snapshot);

@@ -135,7 +135,9 @@ pdyn_status contact_check(struct contact *c, int first, int count) {
     return status == PDYN_OK ? check_distances(c, first, count) : status;
 }
 
-struct contact_gap contact_smallest_gap(const struct contact *c) {
+struct contact_gap contact_smallest_gap(const struct contact *c,
+                                        bool (*counts)(const void *user, const pdyn_contact *),
+                                        const void *user) {
     struct contact_gap least = {.distance = 1.0, .thickness = 1.0};
     for (int e = 0; e < c->current.view.count; e++) {
         const int *point = c->current.stencil[e].point;
@@ -143,6 +145,7 @@ struct contact_gap contact_smallest_gap(const struct contact *c) {
         int one = c->group[point[0]], other = c->group[point[3]];
         if (one == other || is_particle(c, point[0])) continue;
         if (contact->distance * least.thickness >= least.distance * contact->thickness) continue;
+        if (!counts(user, contact)) continue;
         least = (struct contact_gap){.name = {c->name[one], c->name[other]},
                                      .distance = contact->distance,
                                      .thickness = contact->thickness};

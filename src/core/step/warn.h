@@ -48,6 +48,9 @@ double warn_mean_edge(const pdyn_body *body);
 const pdyn_path *warn_path(const struct scene_constraint *constraint);
 /* Whether a pin, or an attachment to another body, holds the body. */
 bool warn_is_held(const struct scene_body *body);
+/* A particle of a contact that pins hold on both sides: no force of contact moves it; -1: they do
+ * not. */
+int warn_pinned_particle(const struct pdyn_sim *sim, const pdyn_contact *contact);
 /* The body of particles with the least rest density; NULL: there is none. */
 const pdyn_body *warn_lightest_fluid(const struct pdyn_sim *sim);
 

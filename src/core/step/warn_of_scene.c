@@ -41,6 +41,22 @@ bool warn_is_held(const struct scene_body *body) {
     return false;
 }
 
+static bool is_pinned(const struct pdyn_sim *sim, int particle) {
+    for (int k = 0; k < sim->objective.batches; k++)
+        if (batch_pins_particle(sim->objective.batch[k], particle)) return true;
+    return false;
+}
+
+int warn_pinned_particle(const struct pdyn_sim *sim, const pdyn_contact *contact) {
+    int pinned = -1;
+    for (int k = 0; k < 4; k++) {
+        if (contact->coefficient[k] == 0.0) continue;
+        if (!is_pinned(sim, contact->particle[k])) return -1;
+        pinned = contact->particle[k];
+    }
+    return pinned;
+}
+
 /* ---- checks ---------------------------------------------------------------------------------- */
 
 /* Whether a constraint acts besides viscosity. */
@@ -195,10 +211,14 @@ static pdyn_status check_places(struct pdyn_sim *sim, int b) {
  * default carries the heaviest body on one vertex. */
 static const double min_gap = 0.5;
 
+static bool can_move(const void *sim, const pdyn_contact *contact) {
+    return warn_pinned_particle(sim, contact) < 0;
+}
+
 /* Surfaces that contact throws apart at the start: one warning for the closest. */
 static void check_gap(struct pdyn_sim *sim) {
     if (!sim->objective.contact) return;
-    struct contact_gap gap = contact_smallest_gap(sim->objective.contact);
+    struct contact_gap gap = contact_smallest_gap(sim->objective.contact, can_move, sim);
     if (gap.distance < min_gap * gap.thickness)
         WARN(sim, TOO_CLOSE, gap.name[0],
              "it starts %.3g m from \"%s\", near (%.4g, %.4g, %.4g) m, and contact throws them "

@@ -95,25 +95,15 @@ static double least_distance(const pdyn_contacts *contacts) {
     return least;
 }
 
-static bool is_pinned(const struct pdyn_sim *sim, int particle) {
-    for (int k = 0; k < sim->objective.batches; k++)
-        if (batch_pins_particle(sim->objective.batch[k], particle)) return true;
-    return false;
-}
-
 /* The body of a contact that is pressed flat between pins and a solid, or between pins; NULL: none.
  * No stiffness of contact moves either side. */
 static const pdyn_body *find_pinned_flat(const struct pdyn_sim *sim) {
     const pdyn_contacts *contacts = contact_current(sim->objective.contact);
     for (int k = 0; k < contacts->count; k++) {
         const pdyn_contact *c = &contacts->contact[k];
-        bool flat = c->distance < pressed_flat * c->thickness;
-        int pinned = -1;
-        for (int j = 0; j < 4 && flat; j++) {
-            if (c->coefficient[j] == 0.0) continue;
-            flat = is_pinned(sim, c->particle[j]), pinned = c->particle[j];
-        }
-        if (flat && pinned >= 0) return &sim->body[objective_body_of(&sim->objective, pinned)];
+        if (c->distance >= pressed_flat * c->thickness) continue;
+        int pinned = warn_pinned_particle(sim, c);
+        if (pinned >= 0) return &sim->body[objective_body_of(&sim->objective, pinned)];
     }
     return NULL;
 }
