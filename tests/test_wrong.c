@@ -473,7 +473,8 @@ static double energy_of_another(const void *par, const pdyn_batch *b, int first,
     return 1.1 * energy_soft(par, b, first, last);
 }
 
-/* A type with an energy of its own need not project, and its p is checked by that energy. */
+/* A type with an energy of its own need not project, and its p is checked by that energy, which may
+ * be negative where core expects energy from the type. */
 static void test_energy(void **state) {
     (void)state;
     pdyn_constraint_type t = good;
@@ -481,7 +482,7 @@ static void test_energy(void **state) {
     wrong_expect(t, "project is no projection");
     t.energy = energy_soft, wrong_expect(t, NULL);
     t.flags |= PDYN_NUMERIC_TANGENT, wrong_expect(t, NULL);
-    t.energy = energy_below_0, wrong_expect(t, "expected at least 0: add a constant");
+    t.energy = energy_below_0, expect_begin(t, "expected at least 0: add a constant");
     t.energy = energy_of_another, wrong_expect(t, "is not that of the energy");
 }
 

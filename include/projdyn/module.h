@@ -463,10 +463,11 @@ typedef struct pdyn_constraint_type {
     bool (*linear)(const void *params, const pdyn_batch *batch);
     /* The energy E of these elements, J, where it is not w/2 |u - p|^2. Its gradient dE/du must be
      * w (u - p): `project` gives p = u - dE/du / w, where w is about the largest second derivative
-     * of E (Liu, Bouaziz and Kavan 2017). E is at least 0: where no type has `begin`, `update` or
-     * `end`, core refuses a step that gains more kinetic energy than gravity, moving solids and all
-     * E can give. A `project` that depends on `time` needs a `begin`, which may do nothing.
-     * NULL: E = w/2 |u - p|^2. */
+     * of E (Liu, Bouaziz and Kavan 2017). Where no type has `begin`, `update`, `end`, PDYN_LOSSY or
+     * a path, core refuses a step that gains more kinetic energy than gravity, moving solids and
+     * all E can give: E of a type without them is at least 0. That of other types, such as the gas
+     * in a balloon, may be negative. A `project` that depends on `time` needs a `begin`, which may
+     * do nothing. NULL: E = w/2 |u - p|^2. */
     double (*energy)(const void *params, const pdyn_batch *batch, int first, int last);
     /* Called at the beginning of every step with u = G x and p = G v of all elements, which it may
      * read: data may change. `weight` is called after it, and not before the first step. A step

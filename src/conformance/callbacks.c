@@ -130,13 +130,21 @@ static void check_maps(struct check *check, struct guarded *a, struct guarded *b
     guarded_run(a, &map[0], 0, n);
 }
 
-/* The energy of all elements is at least 0, and the sum of those of RANGES of them. */
+/* Whether core expects no energy from the type (module.h, `energy`). */
+static bool gives_nothing(const pdyn_constraint_type *t) {
+    for (const pdyn_param *p = t->params; p->name; p++)
+        if (p->kind == PDYN_PATH) return false;
+    return !type_gives_energy(t) && !t->matrix_free;
+}
+
+/* The energy of all elements is the sum of those of RANGES of them, and at least 0 where core
+ * expects no energy from the type. */
 static void check_energy(struct check *check, const struct batch *b) {
     double sum = 0.0;
     int n = b->view.elements;
     if (!b->type->energy) return;
     double all = b->type->energy(b->params, &b->view, 0, n);
-    if (all < 0.0)
+    if (all < 0.0 && gives_nothing(b->type))
         fault(check, "energy is %.6g J, expected at least 0: add a constant to each element", all);
     for (int k = 0; k < RANGES; k++)
         sum += b->type->energy(b->params, &b->view, k * n / RANGES, (k + 1) * n / RANGES);
@@ -180,13 +188,6 @@ static void check_lasting_weight(struct check *check, struct guarded *a, const s
               "weight depends on %s, but without `begin` it is not called in every step: add "
               "one, even an empty one",
               changes);
-}
-
-/* Whether core expects no energy from the type (module.h, `energy`). */
-static bool gives_nothing(const pdyn_constraint_type *t) {
-    for (const pdyn_param *p = t->params; p->name; p++)
-        if (p->kind == PDYN_PATH) return false;
-    return !type_gives_energy(t) && !t->matrix_free;
 }
 
 /* A p that depends on time gives energy: without `begin`, core refuses steps that have it. b has
