@@ -449,9 +449,11 @@ typedef struct pdyn_constraint_type {
     /* Fills p from u; finite for any u, also 0. Without `energy`, p is the point of the manifold
      * closest to u. */
     void (*project)(const void *params, const pdyn_batch *batch, int first, int last);
-    /* J of the elements, one after the other from J[0]: (3 rows)^2 numbers each, symmetric, with
-     * eigenvalues in [0, 1] (clamp them: H must stay positive definite). J is zero on entry.
-     * Finite for any u, also 0. NULL: J = 0, or with PDYN_NUMERIC_TANGENT by differences. */
+    /* J = dp/du of the elements, one after the other from J[0]: (3 rows)^2 numbers each, symmetric,
+     * with eigenvalues in [0, 1] (clamp them: H must stay positive definite). A J that leaves out a
+     * part of dp/du, as that of Gauss-Newton does, keeps H positive definite but takes more
+     * iterations: the conformance check reports it, in elements of at most 12 rows. J is zero on
+     * entry. Finite for any u, also 0. NULL: J = 0, or with PDYN_NUMERIC_TANGENT by differences. */
     void (*tangent)(const void *params, const pdyn_batch *batch, int first, int last, double *J);
     /* Instead of `tangent`, for elements with J = s I - a a', such as points on a plane or a
      * sphere: 3 rows + 1 numbers each, a and s. Takes less memory and time. An element may have
