@@ -1,5 +1,5 @@
 /* A scene as read from its JSON values: plain data, checked, with all defaults filled in.
- * src/core/step/build.c turns a scene into a simulation. */
+ * src/core/setup/build.c turns a scene into a simulation. */
 #ifndef PDYN_SCENE_H
 #define PDYN_SCENE_H
 

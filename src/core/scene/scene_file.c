@@ -1,4 +1,4 @@
-/* Scenes made by a program (projdyn/scene.h): opening, changing, writing. step/build.c loads them.
+/* Scenes made by a program (projdyn/scene.h): opening, changing, writing. setup/build.c loads them.
  */
 #include "scene_file.h"
 

@@ -27,7 +27,7 @@
 #include "sim.h"
 #include "timestep.h"
 #include "velocities.h"
-#include "warn.h"
+#include "warn_of_step.h"
 
 #include "projdyn/control.h"
 #include "projdyn/vec3.h"

@@ -8,7 +8,7 @@
 #include "live_particles.h"
 #include "sim.h"
 #include "sph/surface_samples.h"
-#include "warn.h"
+#include "warn_of_step.h"
 
 #include "projdyn/kernel.h"
 #include "projdyn/vec3.h"

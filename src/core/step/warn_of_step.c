@@ -1,10 +1,11 @@
 /* Warnings about steps: unsolved, repeated, compressed, particles that passed a surface or fell. */
+#include "warn_of_step.h"
+
 #include "contact/contact.h"
 #include "crossings.h"
 #include "energy_budget.h"
 #include "extent.h"
 #include "live_particles.h"
-#include "warn.h"
 
 #include "projdyn/vec3.h"
 
@@ -93,6 +94,22 @@ static double least_distance(const pdyn_contacts *contacts) {
     for (int k = 0; k < contacts->count; k++)
         least = fmin(least, contacts->contact[k].distance / contacts->contact[k].thickness);
     return least;
+}
+
+static bool is_pinned(const struct pdyn_sim *sim, int particle) {
+    for (int k = 0; k < sim->objective.batches; k++)
+        if (batch_pins_particle(sim->objective.batch[k], particle)) return true;
+    return false;
+}
+
+int warn_pinned_particle(const struct pdyn_sim *sim, const pdyn_contact *contact) {
+    int pinned = -1;
+    for (int k = 0; k < 4; k++) {
+        if (contact->coefficient[k] == 0.0) continue;
+        if (!is_pinned(sim, contact->particle[k])) return -1;
+        pinned = contact->particle[k];
+    }
+    return pinned;
 }
 
 /* The body of a contact that is pressed flat between pins and a solid, or between pins; NULL: none.

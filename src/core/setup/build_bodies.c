@@ -3,7 +3,7 @@
 #include "base/param_kind.h"
 #include "build.h"
 #include "scene/derived.h"
-#include "sim.h"
+#include "step/sim.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #include "base/registry.h"
 #include "build.h"
 #include "contact/contact.h"
-#include "sim.h"
+#include "step/sim.h"
 
 static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_body *body,
                              const struct scene_constraint *c) {

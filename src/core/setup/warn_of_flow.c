@@ -1,9 +1,9 @@
 /* Warnings about inlets and outlets, and about what would begin after the end of the scene. */
 #include "base/param_kind.h"
 #include "geometry/mesh_query.h"
-#include "live_particles.h"
 #include "scene/inlet_motion.h"
-#include "sim.h"
+#include "step/live_particles.h"
+#include "step/sim.h"
 #include "warn.h"
 
 #include "projdyn/vec3.h"

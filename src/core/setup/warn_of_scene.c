@@ -1,9 +1,10 @@
 /* Warnings about a scene: values that are legal but surely not meant. */
 #include "contact/contact.h"
-#include "extent.h"
 #include "geometry/mesh_query.h"
-#include "sim.h"
-#include "timestep.h"
+#include "step/extent.h"
+#include "step/sim.h"
+#include "step/timestep.h"
+#include "step/warn_of_step.h"
 #include "warn.h"
 
 #include "projdyn/vec3.h"
@@ -39,22 +40,6 @@ bool warn_is_held(const struct scene_body *body) {
         if (type->flags & PDYN_REACTION || ties_to_other(type)) return true;
     }
     return false;
-}
-
-static bool is_pinned(const struct pdyn_sim *sim, int particle) {
-    for (int k = 0; k < sim->objective.batches; k++)
-        if (batch_pins_particle(sim->objective.batch[k], particle)) return true;
-    return false;
-}
-
-int warn_pinned_particle(const struct pdyn_sim *sim, const pdyn_contact *contact) {
-    int pinned = -1;
-    for (int k = 0; k < 4; k++) {
-        if (contact->coefficient[k] == 0.0) continue;
-        if (!is_pinned(sim, contact->particle[k])) return -1;
-        pinned = contact->particle[k];
-    }
-    return pinned;
 }
 
 /* ---- checks ---------------------------------------------------------------------------------- */

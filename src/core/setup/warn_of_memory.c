@@ -1,6 +1,6 @@
 /* Warnings about memory: more particles than the machine has room for, and boundary points without
  * use. */
-#include "sim.h"
+#include "step/sim.h"
 #include "warn.h"
 
 #include "projdyn/kernel.h"

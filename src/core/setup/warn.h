@@ -1,4 +1,4 @@
-/* Warnings of a simulation (base/warnings.h): about values of its scene, and about its steps. */
+/* Warnings about values of a scene (base/warnings.h). */
 #ifndef PDYN_WARN_H
 #define PDYN_WARN_H
 
@@ -34,12 +34,6 @@ void warn_of_fills(struct pdyn_sim *sim, int body);
 /* Warns of a body of particles without room for the contact thickness of surfaces. */
 pdyn_status warn_of_room(struct pdyn_sim *sim, int body);
 
-/* Raises warnings about the step that was just accepted. */
-void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info);
-/* Warns of particles in gaps without room for them, a part of it. density_error_max: of the step.
- */
-void warn_of_gaps(struct pdyn_sim *sim, double density_error_max);
-
 /* ---- what several of them need --------------------------------------------------------------- */
 
 /* Mean length of the edges of a surface at rest, m. */
@@ -48,9 +42,6 @@ double warn_mean_edge(const pdyn_body *body);
 const pdyn_path *warn_path(const struct scene_constraint *constraint);
 /* Whether a pin, or an attachment to another body, holds the body. */
 bool warn_is_held(const struct scene_body *body);
-/* A particle of a contact that pins hold on both sides: no force of contact moves it; -1: they do
- * not. */
-int warn_pinned_particle(const struct pdyn_sim *sim, const pdyn_contact *contact);
 /* The body of particles with the least rest density; NULL: there is none. */
 const pdyn_body *warn_lightest_fluid(const struct pdyn_sim *sim);
 

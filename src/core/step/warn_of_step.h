@@ -1,0 +1,17 @@
+/* Warnings about a step (base/warnings.h). */
+#ifndef PDYN_WARN_OF_STEP_H
+#define PDYN_WARN_OF_STEP_H
+
+#include "sim.h"
+
+/* Raises warnings about the step that was just accepted. */
+void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info);
+/* Warns of particles in gaps without room for them, a part of it. density_error_max: of the step.
+ */
+void warn_of_gaps(struct pdyn_sim *sim, double density_error_max);
+
+/* A particle of a contact that pins hold on both sides: no force of contact moves it; -1: they do
+ * not. */
+int warn_pinned_particle(const struct pdyn_sim *sim, const pdyn_contact *contact);
+
+#endif
