@@ -239,11 +239,12 @@ struct string {
 };
 
 /* The four vertices of a sheet without stiffness, the load of 1 kg, each on a string to the roof,
- * 0.5 m above. Beside them falls a drop, if the solver is one of fluids. */
+ * 0.5 m above; a probe of the tension of all four. Beside them falls a drop, if the solver is one
+ * of fluids. */
 static pdyn_sim *load_strings(pdyn_context *context, double h, const char *solver,
                               const struct string *s) {
     static const char tied[] = PAIR(
-        GRID_SHEET("'velocity': [%s], ", "0.3, 0.3", "2, 2",
+        GRID_SHEET("'name': 'load', 'velocity': [%s], ", "0.3, 0.3", "2, 2",
                    "'translate': [0, -0.5, 0], 'area_density': 11.111111111111111",
                    "{'type': 'attachment', 'to': 'roof', 'vertices': {'all': true}, 'stiffness': "
                    "%g, 'length': %g, 'damping': %g, 'tension_only': true}"),
@@ -254,6 +255,7 @@ static pdyn_sim *load_strings(pdyn_context *context, double h, const char *solve
     char bodies[2048];
     snprintf(bodies, sizeof bodies, tied, s->velocity, s->stiffness, s->length, s->damping, s->pin);
     if (!strcmp(solver, "dual")) strcat(bodies, drop);
+    strcat(bodies, "], 'probes': [{'name': 'line', 'body': 'load', 'constraint': 'attachment'}");
     return load(context, h, -gravity, solver, bodies);
 }
 
@@ -279,7 +281,11 @@ static void test_slack(void **state) {
     }
 }
 
-/* A load that falls until its strings are taut hangs at the length of each string plus m g / k. */
+/* N, the force of all strings on the load in the last step. */
+static double tension(const pdyn_sim *sim) { return vec3_length(pdyn_get_probe(sim, 0).value); }
+
+/* A load that falls until its strings are taut hangs at the length of each string plus m g / k. Its
+ * probe reads m g, upwards. */
 static void test_hanging(void **state) {
     (void)state;
     const struct string s = {"0, 0, 0", 1000.0, 1.2, 0.05, 1e10};
@@ -294,6 +300,10 @@ static void test_hanging(void **state) {
             double due = 0.6 + sim->body[0].mass[i] * gravity / s.stiffness;
             assert_true(fabs(-sim->x[3 * i + 1] / due - 1.0) < 1e-8);
         }
+        pdyn_probe_info line = pdyn_get_probe(sim, 0);
+        assert_string_equal(line.column[1], "line.force_y_N");
+        assert_true(fabs(line.value[1] / gravity - 1.0) < 1e-7);
+        assert_true(fabs(tension(sim) / gravity - 1.0) < 1e-7);
         test_close(sim);
     }
 }
@@ -311,6 +321,24 @@ static void test_circle(void **state) {
     }
     print_message("%g, expected %g\n", highest / 0.5, 27.0 / 16.0);
     assert_true(fabs(highest / 0.5 - 27.0 / 16.0) < 0.005);
+    test_close(sim);
+}
+
+/* A load that swings up to 60 degrees and back has 3 m g - 2 m g cos 60 = 2 m g in its strings at
+ * the lowest point, and m g cos 60 where it turns. */
+static void test_tension(void **state) {
+    (void)state;
+    const struct string s = {"2.2147234, 0, 0", 1e5, 1.0, 0.002, 1e10};
+    pdyn_sim *sim = load_strings(test_context(1), 0.001, "auto", &s);
+    double least = INFINITY, most = 0.0;
+    for (int step = 0; step < 1000; step++) {
+        test_step(sim);
+        if (step < 100) continue; /* the strings stretch, and come to rest */
+        least = fmin(least, tension(sim));
+        most = fmax(most, tension(sim));
+    }
+    print_message("%g, expected 0.5; %g, expected 2\n", least / gravity, most / gravity);
+    assert_true(fabs(least / gravity - 0.5) < 0.005 && fabs(most / gravity - 2.0) < 0.02);
     test_close(sim);
 }
 
@@ -386,6 +414,7 @@ int main(void) {
                                        cmocka_unit_test(test_slack),
                                        cmocka_unit_test(test_hanging),
                                        cmocka_unit_test(test_circle),
+                                       cmocka_unit_test(test_tension),
                                        cmocka_unit_test(test_pendulum),
                                        cmocka_unit_test(test_snap)};
     return cmocka_run_group_tests_name("attachment", tests, NULL, NULL);

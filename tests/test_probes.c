@@ -220,7 +220,9 @@ static void test_visits(void **state) {
     "'radius': 0.04}, {'name': 'raw', 'point': [0, 0.02, 0], 'radius': 0.04}, {'line': {'from': "  \
     "[0, 0, 0], 'to': [0.1, 0, 0], 'count': 3}}, {'name': 'w', 'wall': [0.05, 0, 0.05]}, "         \
     "{'name': 'h', 'height': [0.05, 0, 0.05]}, {'name': 'b', 'box': {'minimum': [0, 0, 0], "       \
-    "'maximum': [1, 0.05, 1]}}, {'name': 's', 'solid': 'tank'}, {'name': 'hold', 'pins': 'sheet'}"
+    "'maximum': [1, 0.05, 1]}}, {'name': 's', 'solid': 'tank'}, {'name': 'hold', 'pins': "         \
+    "'sheet'}, "                                                                                   \
+    "{'name': 'border', 'body': 'sheet', 'constraint': 'pin'}"
 static const char everything[] =
     SCENE(HEAD ", 'time_step': {'fixed': 2e-3}, 'contact': {'thickness': 0.01}",
           PAIR(FLUID_BOX("'name': 'water', ", "0.0125", "0, 0, 0", "0.1, 0.1, 0.1", ""),
@@ -228,18 +230,18 @@ static const char everything[] =
                           "'translate': [0.2, 0.2, 0.2], 'area_density': 0.3",
                           PAIR(SPRINGS("500"), PINS("'border': true")))),
           ", 'solids': [" TANK "], 'probes': [" EVERYTHING "]");
-enum { MEAN = 1, RAW = 2, SOLID = 7, HOLD = 8, PROBES = 9 };
+enum { MEAN = 1, RAW = 2, SOLID = 7, HOLD = 8, BORDER = 9, PROBES = 10 };
 
 static void test_columns(void **state) {
     (void)state;
     static const char *const first[PROBES] = {
-        "p.pressure_Pa",        "mean.pressure_Pa", "raw.pressure_Pa",
-        "probe3.pressure_0_Pa", "w.pressure_Pa",    "h.height_m",
-        "b.volume_m3",          "s.force_x_N",      "hold.force_x_N"};
+        "p.pressure_Pa",  "mean.pressure_Pa", "raw.pressure_Pa", "probe3.pressure_0_Pa",
+        "w.pressure_Pa",  "h.height_m",       "b.volume_m3",     "s.force_x_N",
+        "hold.force_x_N", "border.force_x_N"};
     static const char *const last[PROBES] = {
-        "p.velocity_z_m_s",        "mean.velocity_z_m_s", "raw.velocity_z_m_s",
-        "probe3.velocity_z_2_m_s", "w.pressure_Pa",       "h.height_m",
-        "b.velocity_z_m_s",        "s.moment_z_Nm",       "hold.moment_z_Nm"};
+        "p.velocity_z_m_s", "mean.velocity_z_m_s", "raw.velocity_z_m_s", "probe3.velocity_z_2_m_s",
+        "w.pressure_Pa",    "h.height_m",          "b.velocity_z_m_s",   "s.moment_z_Nm",
+        "hold.moment_z_Nm", "border.moment_z_Nm"};
     pdyn_sim *sim = test_load(context, quoted(everything));
     for (int k = 0; k < PROBES; k++) {
         pdyn_probe_info probe = pdyn_get_probe(sim, k);
@@ -258,6 +260,7 @@ static void test_values(void **state) {
     double mean[4] = {0}, force[3], moment[3];
     const double *raw = pdyn_get_probe(sim, RAW).value, *found = pdyn_get_probe(sim, MEAN).value;
     pdyn_probe_info solid = pdyn_get_probe(sim, SOLID), pins = pdyn_get_probe(sim, HOLD);
+    pdyn_probe_info border = pdyn_get_probe(sim, BORDER);
     for (int n = 0; n < 20; n++) {
         test_step(sim);
         for (int m = 0; m < 4; m++) { /* the pressure, and the velocity, which is not 0 at first */
@@ -271,20 +274,22 @@ static void test_values(void **state) {
         assert_int_equal(pdyn_constraint_load(sim, 2, force, moment), PDYN_OK);
         assert_memory_equal(force, pins.value, sizeof force);
         assert_memory_equal(moment, pins.value + 3, sizeof moment);
+        assert_memory_equal(border.value, pins.value, 6 * sizeof *pins.value);
     }
     assert_true(raw[0] > 0.0 && solid.value[1] < 0.0 && pins.value[1] > 0.0);
     pdyn_free(sim);
 }
 
-/* A sheet that hangs by two pins; probes of all of its pins, of the left one, and of pin `number`.
- */
+/* A sheet that hangs by two pins; probes of all of its pins, of the left one, and of pin `number`,
+ * by both forms. */
 #define HUNG(number)                                                                               \
     SCENE(                                                                                         \
         "'duration': 1, 'time_step': {'fixed': 5e-3}",                                             \
         GRID_SHEET("'name': 'sheet', ", "1, 1", "5, 5", "'area_density': 0.3",                     \
                    PAIR(SPRINGS("500"), PAIR(PINS("'vertices': [0]"), PINS("'vertices': [4]")))),  \
         ", 'probes': [{'name': 'all', 'pins': 'sheet'}, {'name': 'left', 'pins': 'sheet', "        \
-        "'pin': 0}, {'name': 'right', 'pins': 'sheet', 'pin': " number "}]")
+        "'pin': 0}, {'name': 'right', 'pins': 'sheet', 'pin': " number "}, "                       \
+        "{'name': 'other', 'body': 'sheet', 'constraint': 'pin', 'number': 1}]")
 
 static void test_single_pins(void **state) {
     (void)state;
@@ -299,6 +304,7 @@ static void test_single_pins(void **state) {
     }
     const double *left = pdyn_get_probe(sim, 1).value, *right = pdyn_get_probe(sim, 2).value;
     for (int a = 0; a < 6; a++) assert_true(fabs(left[a] + right[a] - all[a]) < 1e-12);
+    assert_memory_equal(pdyn_get_probe(sim, 3).value, right, 6 * sizeof *right);
     pdyn_free(sim);
 }
 
@@ -441,6 +447,19 @@ static void test_errors(void **state) {
         {"{'solid': 'tnak'}", "unknown solid \"tnak\"; did you mean \"tank\"?"},
         {"{'solid': 'water'}", "probes[0].solid: \"water\" is a body, expected the key \"body\""},
         {"{'body': 'tank'}", "probes[0].body: \"tank\" is a solid, expected the key \"solid\""},
+        {"{'body': 'water', 'tension': 'attachment'}", "did you mean \"constraint\"?"},
+        {"{'solid': 'tank', 'constraint': 'pin'}", "\"constraint\" needs a \"body\""},
+        {"{'body': 'water', 'number': 0}", "\"number\" needs a \"constraint\""},
+        {"{'body': 'water', 'source': 'fluid', 'constraint': 'pin'}",
+         "probes[0]: \"constraint\" and \"source\": expected one of them"},
+        {"{'body': 'water', 'constraint': 'atachment'}",
+         "probes[0].constraint: unknown constraint \"atachment\"; did you mean \"attachment\"?"},
+        {"{'body': 'water', 'constraint': 'attachment'}",
+         "probes[0].constraint: \"water\" has no constraint \"attachment\""},
+        {"{'body': 'water', 'constraint': 'fluid'}",
+         "probes[0].constraint: expected a type that holds or pushes \"water\" from outside, such "
+         "as \"pin\" or \"attachment\", found \"fluid\""},
+        {"{'body': 'water', 'constraint': 3}", "expected the name of a constraint, found 3"},
         {"{'pins': 'water'}", "probes[0].pins: expected a body with a \"pin\""},
         {"{'line': {'from': [0, 0, 0], 'to': [1, 1, 1], 'count': 1}}", "probes[0].line.count"},
         {"{'line': {'from': [0, 0, 0], 'count': 3}}", "probes[0].line.to: missing"},
@@ -462,6 +481,7 @@ static void test_errors(void **state) {
         assert_refused(text, cases[k].message);
     }
     assert_refused(HUNG("2"), "probes[2].pin: expected");
+    assert_refused(HUNG("1, 'number': 1"), "probes[2]: \"number\" needs a \"constraint\"");
     assert_refused(SCENE(HEAD, GRID_SHEET("", "1, 1", "3, 3", "'area_density': 1", SPRINGS("1")),
                          ", 'probes': [{'point': [0, 0, 0]}]"),
                    "\"point\" needs a body with the constraint \"fluid\"");

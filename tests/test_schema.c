@@ -219,7 +219,7 @@ static void test_schema(void **state) {
     const pdyn_param speed_key[] = {keyed_time_param, inlet_speed_param, {0}};
     check_table(definition("speed_key"), speed_key, 0);
     check_table(definition("outlet"), outlet_params, 1);
-    check_table(definition("probe"), scene_probe_params, 13);
+    check_table(definition("probe"), scene_probe_params, 15);
     static const char *const fills[] = {"fill_box", "fill_sphere", "fill_mesh", "fill_file"};
     for (int k = 0; k < COUNT(fills); k++) {
         const json_t *fill = definition(fills[k]);

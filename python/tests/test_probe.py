@@ -58,6 +58,24 @@ class Probes(unittest.TestCase):
         with self.assertRaisesRegex(projdyn.InputError, 'expected "fluid", "contact" or None'):
             floor.load("water")
 
+    def test_tension(self):
+        """A ball hangs on a line; its probe has the forces of the line on the ball alone."""
+        scene = projdyn.Scene(duration=1, threads=1, probes=[
+            {"name": "line", "body": "ball", "constraint": "attachment"}])
+        scene.add_rigid(box=([-0.02, 0.5, -0.02], [0.02, 0.54, 0.02]), name="anchor", density=1000,
+                        pin={"vertices": {"all": True}})
+        scene.add_rigid(sphere={"center": [0, 0, 0], "radius": 0.05}, name="ball", mass=2, attachment={
+            "to": "anchor", "stiffness": 2000, "damping": 0.05, "tension_only": True,
+            "vertices": {"sphere": {"center": [0, 0.05, 0], "radius": 0.001}}})
+        sim = scene.load()
+        for _ in sim.run(until=1):
+            pass
+        line, ball = sim.constraints["ball", "attachment"], sim.bodies["ball"]
+        self.assertAlmostEqual(sim.probes["line"]["force_y_N"] / (2 * 9.81), 1, delta=0.01)
+        np.testing.assert_allclose([sim.probes["line"][f"force_{axis}_N"] for axis in "xyz"],
+                                   line.forces()[ball.particles].sum(0), atol=1e-9)
+        np.testing.assert_allclose(line.load().force, 0, atol=1e-9)
+
     def test_water(self):
         sim = tank_of_water(probes=[{"name": "deep", "point": [0.12, 0.05, 0.12]},
                                     {"name": "walls", "solid": "tank"}]).load()

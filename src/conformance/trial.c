@@ -2,6 +2,7 @@
  * and set to a random state near rest. */
 #include "conformance.h"
 
+#include "base/param_kind.h"
 #include "base/text.h"
 
 #include "projdyn/control.h"
@@ -147,10 +148,8 @@ static void write_params(char *text, size_t size, const struct check *check,
     " \"rotate\": [20, 30, 10], \"density\": 300}"
 
 static bool needs_other(const pdyn_constraint_type *type) {
-    if (type->flags & PDYN_NEIGHBOURS) return true; /* a sheet through its particles */
-    for (const pdyn_param *p = type->params; p->name; p++)
-        if (p->kind == PDYN_OTHER) return true;
-    return false;
+    return type->flags & PDYN_NEIGHBOURS /* a sheet through its particles */
+           || type_ties_to_other(type);
 }
 
 void trial_scene(char text[TRIAL_TEXT], const struct check *check, const pdyn_constraint_type *type,

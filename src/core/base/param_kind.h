@@ -27,6 +27,18 @@ static inline const pdyn_other *param_other(const pdyn_param *param, const void 
                                      : NULL;
 }
 
+/* Whether constraints of a type act between their body and another one. */
+static inline bool type_ties_to_other(const pdyn_constraint_type *type) {
+    for (const pdyn_param *p = type->params; p->name; p++)
+        if (p->kind == PDYN_OTHER) return true;
+    return false;
+}
+
+/* Whether their forces on the body may have a sum. */
+static inline bool type_acts_from_outside(const pdyn_constraint_type *type) {
+    return type->flags & PDYN_ANCHORED || type_ties_to_other(type);
+}
+
 /* The rows of a table on a body of so many vertices, triangles and tetrahedra; 0: any number. */
 static inline int param_rows(const pdyn_param *param, int vertices, int triangles, int tets) {
     unsigned per = param->kind & 0xFF00u;

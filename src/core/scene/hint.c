@@ -94,6 +94,8 @@ static const char *const translations[][2] = {
     {"bending_rigidity", "constraints"},
     {"damping", "constraints"},
     {"attachment", "constraints"},
+    {"attachment", "constraint"},
+    {"tension", "constraint"},
     {"bending", "constraints"},
     {"fluid", "constraints"},
     {"gas", "constraints"},

@@ -148,7 +148,7 @@ enum probe_kind { /* what a probe measures; keys of a scene: scene_probe.c */
                   PROBE_HEIGHT,
                   PROBE_BOX,
                   PROBE_SOLID,
-                  PROBE_PINS,
+                  PROBE_CONSTRAINT, /* "pins", or "body" with "constraint" */
                   PROBE_INSIDE,
                   PROBE_BODY,
                   PROBE_KINDS
@@ -160,15 +160,23 @@ struct scene_probe {
     struct point_list at; /* m, where at time 0, not of a box, solid or body */
     struct box box;       /* of PROBE_BOX, at time 0 */
     int target;           /* index of the solid, or of the body */
-    int pin;              /* of PROBE_PINS: number among the pins of the body; -1: all */
-    int source;           /* enum pdyn_load_source: of PROBE_SOLID and PROBE_BODY */
-    int on_solid;         /* the solid that carries the place; -1: none */
-    int on_body;          /* the rigid body that carries the place; -1: none */
-    double radius;        /* m: particles and boundary points within it count; 0: two spacings */
-    double time;          /* s, time constant of an exponential mean; 0: none */
+    /* Of PROBE_CONSTRAINT: constraints of the body of this type, NULL: all with PDYN_REACTION. */
+    const pdyn_constraint_type *type;
+    int number;    /* the only one of these that counts; -1: all */
+    int source;    /* enum pdyn_load_source: of PROBE_SOLID and PROBE_BODY */
+    int on_solid;  /* the solid that carries the place; -1: none */
+    int on_body;   /* the rigid body that carries the place; -1: none */
+    double radius; /* m: particles and boundary points within it count; 0: two spacings */
+    double time;   /* s, time constant of an exponential mean; 0: none */
 };
 
 extern const pdyn_param scene_probe_params[]; /* ends with a NULL name */
+
+/* Whether a probe of the kind PROBE_CONSTRAINT counts constraints of this type. */
+static inline bool scene_probe_counts(const struct scene_probe *probe,
+                                      const pdyn_constraint_type *type) {
+    return probe->type ? type == probe->type : (type->flags & PDYN_REACTION) != 0;
+}
 
 struct scene_contact {
     double thickness; /* m, distance that surfaces keep; 0: a scene without this entry */

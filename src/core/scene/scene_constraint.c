@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 
-static pdyn_status find_type(const struct json_at *at, const pdyn_constraint_type **out) {
+pdyn_status reader_constraint_type(const struct json_at *at, const pdyn_constraint_type **out) {
     const pdyn_context *context = at->file->context;
     const char *names[READER_NAMES];
     int count = 0;
@@ -91,7 +91,7 @@ static pdyn_status read_constraint(struct reader *r, const struct json_at *at, i
     struct json_at name = json_member(at, "type");
     const pdyn_constraint_type *type = NULL;
     if (!json_is_object(at->value)) return json_expected(at, "an object with a \"type\"");
-    pdyn_status status = find_type(&name, &type);
+    pdyn_status status = reader_constraint_type(&name, &type);
     if (status != PDYN_OK) return status;
     constraint->type = type;
     status = check_type(r, &name, body, index);

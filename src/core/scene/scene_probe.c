@@ -1,4 +1,5 @@
 /* Reading a probe: what it measures, and where. */
+#include "base/param_kind.h"
 #include "params.h"
 #include "reader.h"
 
@@ -159,15 +160,39 @@ static pdyn_status read_inside(struct reader *r, const struct json_at *at,
     return read_body_with(r, at, PDYN_ON_CLOSED, "gas", probe);
 }
 
-/* "pin": one of the pins of the body. */
-static pdyn_status read_pin(const struct reader *r, const struct json_at *at,
-                            struct scene_probe *probe) {
+/* The constraints of the body that count. */
+static int count_constraints(const struct reader *r, const struct scene_probe *probe) {
     const struct scene_body *body = &r->scene->body[probe->target];
-    int pins = 0;
-    probe->pin = -1;
+    int count = 0;
     for (int k = 0; k < body->constraints; k++)
-        pins += (body->constraint[k].type->flags & PDYN_REACTION) != 0;
-    return at->value ? params_int(at, 0, pins - 1, &probe->pin) : PDYN_OK;
+        count += scene_probe_counts(probe, body->constraint[k].type);
+    return count;
+}
+
+/* "constraint": the type of those constraints of a "body" that count. */
+static pdyn_status read_constraint(const struct reader *r, const struct json_at *at,
+                                   struct scene_probe *probe) {
+    const char *body = r->scene->body[probe->target].name;
+    if (probe->source)
+        return json_fail_at_key(at, "\"constraint\" and \"source\": expected one of them");
+    pdyn_status status = reader_constraint_type(at, &probe->type);
+    if (status != PDYN_OK) return status;
+    if (!type_acts_from_outside(probe->type))
+        return json_fail(at,
+                         "expected a type that holds or pushes \"%s\" from outside, such as "
+                         "\"pin\" or \"attachment\", found \"%s\"",
+                         body, probe->type->name);
+    if (!count_constraints(r, probe))
+        return json_fail(at, "\"%s\" has no constraint \"%s\"", body, probe->type->name);
+    probe->kind = PROBE_CONSTRAINT;
+    return PDYN_OK;
+}
+
+/* "pin", "number": one of the constraints that count. */
+static pdyn_status read_number(const struct reader *r, const struct json_at *at,
+                               struct scene_probe *probe) {
+    probe->number = -1;
+    return at->value ? params_int(at, 0, count_constraints(r, probe) - 1, &probe->number) : PDYN_OK;
 }
 
 /* "source": what a load counts. */
@@ -183,18 +208,18 @@ static pdyn_status read_source(const struct json_at *at, struct scene_probe *pro
 }
 
 static const char *const names[PROBE_KINDS] = {
-    [PROBE_POINT] = "point",   [PROBE_LINE] = "line", [PROBE_WALL] = "wall",
-    [PROBE_HEIGHT] = "height", [PROBE_BOX] = "box",   [PROBE_SOLID] = "solid",
-    [PROBE_PINS] = "pins",     [PROBE_BODY] = "body", [PROBE_INSIDE] = "inside"};
+    [PROBE_POINT] = "point",     [PROBE_LINE] = "line", [PROBE_WALL] = "wall",
+    [PROBE_HEIGHT] = "height",   [PROBE_BOX] = "box",   [PROBE_SOLID] = "solid",
+    [PROBE_CONSTRAINT] = "pins", [PROBE_BODY] = "body", [PROBE_INSIDE] = "inside"};
 
 static const struct {
     pdyn_status (*read)(struct reader *r, const struct json_at *at, struct scene_probe *probe);
     bool of_fluid, has_radius; /* those of the fluid have a place */
 } kinds[PROBE_KINDS] = {
-    [PROBE_POINT] = {read_point, true, true},     [PROBE_LINE] = {read_line, true, true},
-    [PROBE_WALL] = {read_wall, true, true},       [PROBE_HEIGHT] = {read_height, true, false},
-    [PROBE_BOX] = {read_region, true, false},     [PROBE_SOLID] = {read_solid, false, false},
-    [PROBE_PINS] = {read_pins, false, false},     [PROBE_BODY] = {read_body, false, false},
+    [PROBE_POINT] = {read_point, true, true},       [PROBE_LINE] = {read_line, true, true},
+    [PROBE_WALL] = {read_wall, true, true},         [PROBE_HEIGHT] = {read_height, true, false},
+    [PROBE_BOX] = {read_region, true, false},       [PROBE_SOLID] = {read_solid, false, false},
+    [PROBE_CONSTRAINT] = {read_pins, false, false}, [PROBE_BODY] = {read_body, false, false},
     [PROBE_INSIDE] = {read_inside, false, false},
 };
 
@@ -203,12 +228,18 @@ static pdyn_status check_kind_of(const struct reader *r, const struct json_at *a
                                  enum probe_kind kind) {
     struct json_at place = json_member(at, names[kind]), radius = json_member(at, "radius");
     struct json_at pin = json_member(at, "pin"), on = json_member(at, "on");
+    struct json_at constraint = json_member(at, "constraint"), number = json_member(at, "number");
     if (kinds[kind].of_fluid && !r->listed)
         return json_fail_at_key(&place, "\"%s\" needs a body with the constraint \"fluid\"",
                                 names[kind]);
     if (radius.value && !kinds[kind].has_radius)
         return json_fail_at_key(&radius, "\"radius\" needs a \"point\", \"line\" or \"wall\"");
-    if (pin.value && kind != PROBE_PINS) return json_fail_at_key(&pin, "\"pin\" needs \"pins\"");
+    if (pin.value && kind != PROBE_CONSTRAINT)
+        return json_fail_at_key(&pin, "\"pin\" needs \"pins\"");
+    if (constraint.value && kind != PROBE_BODY)
+        return json_fail_at_key(&constraint, "\"constraint\" needs a \"body\"");
+    if (number.value && !constraint.value)
+        return json_fail_at_key(&number, "\"number\" needs a \"constraint\"");
     if (on.value && !kinds[kind].of_fluid)
         return json_fail_at_key(&on, "\"on\" needs a \"point\", \"line\", \"wall\", \"height\" or "
                                      "\"box\"");
@@ -216,12 +247,12 @@ static pdyn_status check_kind_of(const struct reader *r, const struct json_at *a
 }
 
 pdyn_status scene_read_probe(struct reader *r, const struct json_at *at, int index) {
-    static const char *const keys[] = {"name", "point", "line",   "wall", "height",
-                                       "box",  "solid", "pins",   "pin",  "inside",
-                                       "body", "on",    "source", NULL};
+    static const char *const keys[] = {
+        "name", "point",  "line", "wall",       "height", "box", "solid",  "pins",
+        "pin",  "inside", "body", "constraint", "number", "on",  "source", NULL};
     struct scene_probe *probe = &r->scene->probe[index];
-    struct json_at pin = json_member(at, "pin"), on = json_member(at, "on");
-    struct json_at source = json_member(at, "source");
+    struct json_at on = json_member(at, "on"), source = json_member(at, "source");
+    struct json_at constraint = json_member(at, "constraint");
     pdyn_status status = params_check_keys(at, scene_probe_params, keys);
     if (status == PDYN_OK) status = reader_name(r, at, "probe", index, &probe->name);
     if (status == PDYN_OK) status = params_read(at, scene_probe_params, NULL, probe);
@@ -229,8 +260,10 @@ pdyn_status scene_read_probe(struct reader *r, const struct json_at *at, int ind
     if (status == PDYN_OK) status = check_kind_of(r, at, probe->kind);
     if (status != PDYN_OK) return status;
     struct json_at place = json_member(at, names[probe->kind]);
+    struct json_at number = json_member(at, constraint.value ? "number" : "pin");
     status = read_on(r, &on, probe);
     if (status == PDYN_OK) status = read_source(&source, probe);
     if (status == PDYN_OK) status = kinds[probe->kind].read(r, &place, probe);
-    return status == PDYN_OK && probe->kind == PROBE_PINS ? read_pin(r, &pin, probe) : status;
+    if (status == PDYN_OK && constraint.value) status = read_constraint(r, &constraint, probe);
+    return status == PDYN_OK ? read_number(r, &number, probe) : status;
 }

@@ -1,4 +1,5 @@
 /* Warnings about a scene: values that are legal but surely not meant. */
+#include "base/param_kind.h"
 #include "contact/contact.h"
 #include "geometry/mesh_query.h"
 #include "step/extent.h"
@@ -27,17 +28,10 @@ double warn_mean_edge(const pdyn_body *body) {
     return sum / fmax(1.0, body->edges);
 }
 
-/* Whether the constraint acts between the body and another one. */
-static bool ties_to_other(const pdyn_constraint_type *type) {
-    for (const pdyn_param *p = type->params; p->name; p++)
-        if (p->kind == PDYN_OTHER) return true;
-    return false;
-}
-
 bool warn_is_held(const struct scene_body *body) {
     for (int k = 0; k < body->constraints; k++) {
         const pdyn_constraint_type *type = body->constraint[k].type;
-        if (type->flags & PDYN_REACTION || ties_to_other(type)) return true;
+        if (type->flags & PDYN_REACTION || type_ties_to_other(type)) return true;
     }
     return false;
 }
@@ -56,7 +50,7 @@ static bool only_bends(const struct scene_body *body) {
     bool bends = false;
     for (int k = 0; k < body->constraints; k++) {
         const pdyn_constraint_type *type = body->constraint[k].type;
-        bool outer = type->flags & (PDYN_ANCHORED | PDYN_LOSSY) || ties_to_other(type);
+        bool outer = type->flags & (PDYN_ANCHORED | PDYN_LOSSY) || type_ties_to_other(type);
         if (!outer && strcmp(type->name, "bending")) return false;
         bends |= !outer;
     }
@@ -132,7 +126,7 @@ static void check_effect(struct pdyn_sim *sim, int b) {
     const struct scene_body *body = &sim->scene.body[b];
     for (int k = 0; k < body->constraints && body->is_rigid; k++) {
         const pdyn_constraint_type *type = body->constraint[k].type;
-        if (!(type->flags & PDYN_ANCHORED) && !ties_to_other(type))
+        if (!type_acts_from_outside(type))
             WARN(sim, NO_EFFECT, body->name,
                  "\"%s\" has no effect on a rigid body, which keeps its shape", type->name);
     }

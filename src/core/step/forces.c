@@ -119,8 +119,14 @@ void forces_forget(struct pdyn_sim *sim) {
     if (sim->loads) sim->loads->summed = false;
 }
 
-/* The load by the rows of a batch. */
-static void add_row_load(const struct pdyn_sim *sim, const struct batch *b, struct load *load) {
+/* Whether a load counts particle i: the body has it, NULL: always. */
+static bool is_on(const pdyn_body *body, int i) {
+    return !body || (i >= body->first && i < body->first + body->count);
+}
+
+/* The load by the rows of a batch on a body, NULL: on all particles. */
+static void add_row_load(const struct pdyn_sim *sim, const struct batch *b, const pdyn_body *on,
+                         struct load *load) {
     const pdyn_batch *v = &b->view;
     for (int e = 0; e < v->elements; e++)
         for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++) {
@@ -128,26 +134,28 @@ static void add_row_load(const struct pdyn_sim *sim, const struct batch *b, stru
             forces_row_gradient(sim, b, e, r, g);
             for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++) {
                 double force[3] = {0};
+                if (!is_on(on, v->column[k])) continue;
                 vec3_add(force, -v->coefficient[k], g);
                 load_add(load, sim->x_next + 3 * (size_t)v->column[k], force);
             }
         }
 }
 
+/* The same of an operator. */
 static void add_operator_load(const struct pdyn_sim *sim, const struct batch *b,
-                              struct load *load) {
+                              const pdyn_body *on, struct load *load) {
     double *force = sim->trial;
     sum_forces(sim, is_any, b, force);
     for (int i = 0; i < sim->objective.particles; i++)
-        load_add(load, sim->x_next + 3 * (size_t)i, force + 3 * (size_t)i);
+        if (is_on(on, i)) load_add(load, sim->x_next + 3 * (size_t)i, force + 3 * (size_t)i);
 }
 
-void forces_add_load(const struct pdyn_sim *sim, int k, struct load *load) {
+void forces_add_load(const struct pdyn_sim *sim, int k, const pdyn_body *on, struct load *load) {
     const struct objective *objective = &sim->objective;
     for (int b = 0; sim->forces_known && b < objective->batches; b++)
         if (batch_belongs_to(objective->batch[b], objective->batch[k]))
             (objective->batch[b]->op ? add_operator_load : add_row_load)(sim, objective->batch[b],
-                                                                         load);
+                                                                         on, load);
 }
 
 void forces_sum(const struct pdyn_sim *sim, pdyn_load_source source, double *force) {
@@ -182,7 +190,8 @@ static void pass_on(struct pdyn_sim *sim, const pdyn_body *body, const double pa
     struct objective *objective = &sim->objective;
     struct load load = {{0}, {0}};
     for (int b = 0; b < objective->batches; b++)
-        if (batch_pins(objective->batch[b], body)) add_row_load(sim, objective->batch[b], &load);
+        if (batch_pins(objective->batch[b], body))
+            add_row_load(sim, objective->batch[b], NULL, &load);
     double size = vec3_dot(load.force, load.force);
     double part = size > 0.0 ? -vec3_dot(load.force, passed) / size : 0.0;
     for (int b = 0; b < objective->batches; b++)
@@ -209,7 +218,7 @@ pdyn_status pdyn_constraint_load(const pdyn_sim *sim, int constraint, double for
     struct load load = {{0}, {0}};
     if (HAS_NULL(sim, force, moment) || BAD_INDEX(constraint, sim->constraints))
         return PDYN_BAD_CALL;
-    forces_add_load(sim, constraint, &load);
+    forces_add_load(sim, constraint, NULL, &load);
     load_copy(&load, force, moment);
     return PDYN_OK;
 }

@@ -20,9 +20,9 @@ void forces_forget(struct pdyn_sim *sim);
 void forces_row_gradient(const struct pdyn_sim *sim, const struct batch *batch, int e, int r,
                          double g[3]);
 
-/* Adds to a load the force of constraint k of the scene, at the positions of the end of the step.
- * Nothing while forces are unknown. May overwrite sim->trial. */
-void forces_add_load(const struct pdyn_sim *sim, int k, struct load *load);
+/* Adds to a load the force of constraint k of the scene on a body, NULL: on all particles, at the
+ * positions of the end of the step. Nothing while forces are unknown. May overwrite sim->trial. */
+void forces_add_load(const struct pdyn_sim *sim, int k, const pdyn_body *on, struct load *load);
 
 /* Computes the force by a source on every particle, N; 0 while forces are unknown. */
 void forces_sum(const struct pdyn_sim *sim, pdyn_load_source source, double *force);

@@ -61,15 +61,17 @@ static void measure_solid(const struct pdyn_sim *sim, const struct probe_place *
     load_copy(solid_load_compute(sim, probe->source) + probe->target, out, out + 3);
 }
 
-/* The force of all pins of a body, or of one. */
-static void measure_pins(const struct pdyn_sim *sim, const struct probe_place *place, double *out) {
+/* The force on a body by all of its constraints that count, or by one of them. */
+static void measure_constraint(const struct pdyn_sim *sim, const struct probe_place *place,
+                               double *out) {
+    const struct scene_probe *probe = place->probe;
+    const pdyn_body *body = &sim->body[probe->target];
     struct load load = {{0}, {0}};
-    for (int k = 0, pin = 0; k < sim->constraints; k++) {
+    for (int k = 0, number = 0; k < sim->constraints; k++) {
         const struct batch *b = sim->objective.batch[k];
-        if (!(b->type->flags & PDYN_REACTION) || b->view.body != &sim->body[place->probe->target])
-            continue;
-        if (place->probe->pin < 0 || place->probe->pin == pin) forces_add_load(sim, k, &load);
-        pin++;
+        if (!scene_probe_counts(probe, b->type) || b->view.body != body) continue;
+        if (probe->number < 0 || probe->number == number) forces_add_load(sim, k, body, &load);
+        number++;
     }
     load_copy(&load, out, out + 3);
 }
@@ -118,7 +120,7 @@ static const struct {
     [PROBE_HEIGHT] = {measure_height, 1, &(const struct quantity){"height", "m"}},
     [PROBE_BOX] = {measure_box, 4, water},
     [PROBE_SOLID] = {measure_solid, 6, load},
-    [PROBE_PINS] = {measure_pins, 6, load},
+    [PROBE_CONSTRAINT] = {measure_constraint, 6, load},
     [PROBE_INSIDE] = {measure_inside, 2, filling},
     [PROBE_BODY] = {measure_body, 6, load},
 };
