@@ -288,7 +288,7 @@ MISTAKES = [
     Mistake("two blocks of water overlap",
             change(*WATER_ONLY, ("bodies.0.particles.fill.1", {"box": {
                 "minimum": [-0.19, 0.01, -0.19], "maximum": [0.21, 0.13, 0.21]}})),
-            "water: fill[1] and fill[0] overlap: ", "J; particles overlap at the start, or are too close to each other; the state", codes=(1, 1)),
+            "water: fill[1] and fill[0] overlap: ", "J; particles overlap at the start, or are too close to each other; the fluid has been compressed by more than 10 %; the state", codes=(1, 1)),
     # refused
     Mistake("water kept inside a solid", change(("solids.1", BALL), ("bodies.0.particles.overlap", "keep")),
             'overlap solid "ball", the first at', codes=(2, 2)),
