@@ -284,6 +284,10 @@ MISTAKES = [
             "153600 particles take about 0.35 GB, and there are 0.34 GB", codes=(1, 1), memory=340_000_000),
     Mistake("more water of a wide kernel than memory", change(*WATER_ONLY, ("kernel", "wendland"), ("bodies.0.particles.radius", 0.0025)),
             "153600 particles take about 0.49 GB, and there are 0.4 GB", codes=(1, 1), memory=400_000_000),
+    Mistake("more pairs of contact than memory", change(("bodies.0", {
+        "name": "jelly", "volume": {"grid": {"size": [0.1, 0.1, 0.1], "cells": [12, 12, 12]}, "translate": [0, 0.1, 0], "density": 1000},
+        "constraints": [{"type": "tet", "stiffness": 1e4}]}), ("contact.thickness", 0.04)),
+            "can come closer than the thickness of 0.04 m; they take about", "[contact-thickness]", codes=(1, 1), memory=340_000_000),
     # energy from nothing
     Mistake("two blocks of water overlap",
             change(*WATER_ONLY, ("bodies.0.particles.fill.1", {"box": {

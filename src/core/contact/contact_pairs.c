@@ -7,6 +7,7 @@
  * threads and earlier lists, too. contact_find.c sorts the contacts. */
 #include "contact_parts.h"
 
+#include "base/machine_memory.h"
 #include "geometry/bvh_join.h"
 #include "projdyn/vec3.h"
 
@@ -168,11 +169,30 @@ void contact_free_pairs(struct contact *c) {
     FREE_ARRAY(c->context, c->pairs.pair, c->pairs.room);
 }
 
+/* Bytes of a pair in all arrays with room for it. */
+static const double pair_memory = sizeof(struct pair) + sizeof(struct hit) + sizeof(struct keyed) +
+                                  sizeof(int) + sizeof(struct blocked);
+
+/* Fails where the machine lacks memory for a list with this room: many systems grant more memory
+ * than there is, and then stop the program without a message. */
+static pdyn_status check_memory(const struct contact *c, int count, int room) {
+    double bytes = room * pair_memory, machine = machine_memory();
+    if (bytes + (double)pdyn_bytes_in_use(c->context) <= machine) return PDYN_OK;
+    return set_error(
+        PDYN_NO_MEMORY,
+        "contact: %d pairs of a vertex and a triangle, or of two edges, can come closer "
+        "than the thickness of %g m; they take about %.2g GB, and there are %.2g GB: "
+        "expected a smaller \"thickness\" or coarser meshes",
+        count, c->settings->thickness, bytes * 1e-9, machine * 1e-9);
+}
+
 /* Makes room for `count` pairs; those in the list stay. PDYN_NO_MEMORY: nothing has changed. */
 static pdyn_status reserve(struct contact *c, int count) {
     if (count <= c->pairs.room) return PDYN_OK;
     struct contact grown = *c;
     grown.pairs.room = count + count / 4;
+    pdyn_status status = check_memory(c, count, grown.pairs.room);
+    if (status != PDYN_OK) return status;
     grown.pairs.pair = NEW_ARRAY(c->context, grown.pairs.room, struct pair);
     if (!resize_arrays(&grown, ARRAYS_ALLOCATE) || !grown.pairs.pair) {
         contact_free_pairs(&grown);
@@ -210,7 +230,8 @@ static pdyn_status add_new(struct contact *c) {
             return set_error(PDYN_DIVERGED, "contact: %ld pairs are close", count);
         bool fits = count <= c->pairs.room;
         if (fits) c->pairs.count = (int)count;
-        if (fits || reserve(c, (int)count) != PDYN_OK) return fits ? PDYN_OK : PDYN_NO_MEMORY;
+        pdyn_status status = reserve(c, (int)count);
+        if (fits || status != PDYN_OK) return status;
     }
 }
 

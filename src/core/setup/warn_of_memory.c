@@ -1,24 +1,13 @@
 /* Warnings about memory: more particles than the machine has room for, and boundary points without
  * use. */
+#include "base/machine_memory.h"
 #include "step/sim.h"
 #include "warn.h"
 
 #include "projdyn/kernel.h"
 
-#include <math.h>
-#include <sys/resource.h>
-#include <unistd.h>
-
-/* Bytes that the program may have: those of the machine, or fewer by `ulimit -v`. */
-static double memory_of_machine(void) {
-    struct rlimit limit;
-    double bytes = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
-    if (getrlimit(RLIMIT_AS, &limit) || limit.rlim_cur == RLIM_INFINITY) return bytes;
-    return fmin(bytes, (double)limit.rlim_cur);
-}
-
 void warn_of_memory(struct pdyn_sim *sim) {
-    double particles = 0.0, machine = memory_of_machine();
+    double particles = 0.0, machine = machine_memory();
     double particle = sim->scene.settings.kernel->memory;
     for (int b = 0; b < sim->bodies; b++)
         if (body_is_particles(&sim->body[b])) particles += sim->body[b].count;
