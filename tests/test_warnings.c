@@ -157,6 +157,28 @@ static void test_pressed(void **state) {
     }
 }
 
+/* Pins drag a crate towards the wall of a tank: beyond the wall, and to its inside. */
+static void test_unreachable(void **state) {
+    (void)state;
+    static const char scene[] =
+        "{'duration': 1, 'time_step': {'fixed': 0.005}, 'contact': {'thickness': 0.006}, "
+        "'bodies': [{'name': 'crate', 'rigid': {'box': {'minimum': [-0.05, 0.1, -0.05], 'maximum': "
+        "[0.05, 0.2, 0.05]}, 'density': 500}, 'constraints': [{'type': 'pin', 'vertices': {'all': "
+        "true}, 'path': [[0, 0, 0, 0], [0.1, %s, 0, 0]]}]}], 'solids': [{'name': 'tank', 'box': "
+        "{'minimum': [-0.2, 0, -0.2], 'maximum': [0.2, 0.5, 0.2]}, 'open': ['+y']}]}";
+    static const char *const way[] = {"0.6", "0.149"};
+    for (int k = 0; k < 2; k++) {
+        char text[1024];
+        snprintf(text, sizeof text, scene, way[k]);
+        pdyn_sim *sim = test_open(text);
+        for (int n = 0; n < 25; n++) test_step(sim);
+        pdyn_warning w = find_warning(sim, "unreachable", "crate");
+        assert_int_equal(w.count > 0, !k);
+        assert_true(k || strstr(w.text, "0.45 m beyond"));
+        test_close(sim);
+    }
+}
+
 /* Pins move a sheet far into a plane: the warning is about the pins. */
 static void test_pinned_flat(void **state) {
     (void)state;
@@ -453,6 +475,7 @@ int main(void) {
         cmocka_unit_test(test_fast),
         cmocka_unit_test(test_press),
         cmocka_unit_test(test_pressed),
+        cmocka_unit_test(test_unreachable),
         cmocka_unit_test(test_pinned_flat),
         cmocka_unit_test(test_without_elements),
         cmocka_unit_test(test_no_stiffness),

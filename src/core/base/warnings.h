@@ -46,6 +46,7 @@
     X(BUDGET, "budget")                                                                            \
     X(BLOCKED, "blocked")                                                                          \
     X(SOLID_WAITS, "solid-waits")                                                                  \
+    X(UNREACHABLE, "unreachable")                                                                  \
     X(CONTACT_STIFFNESS, "contact-stiffness")                                                      \
     X(SQUEEZED, "squeezed")                                                                        \
     X(MOMENTUM, "momentum")

@@ -214,6 +214,7 @@ void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
     warn_fast(sim, info->h);
     warn_pressed(sim);
     warn_waiting(sim);
+    warn_of_pins(sim);
     energy_budget_step(sim, info);
     if (info->frame) warn_fallen(sim);
 }

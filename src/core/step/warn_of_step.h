@@ -9,6 +9,8 @@ void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info);
 /* Warns of particles in gaps without room for them, a part of it. density_error_max: of the step.
  */
 void warn_of_gaps(struct pdyn_sim *sim, double density_error_max);
+/* Warns of pins that contact keeps from their targets, a part of it. */
+void warn_of_pins(struct pdyn_sim *sim);
 
 /* A particle of a contact that pins hold on both sides: no force of contact moves it; -1: they do
  * not. */
