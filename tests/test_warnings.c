@@ -307,6 +307,31 @@ static void test_places(void **state) {
     test_close(sim);
 }
 
+#define TOUCHING ", 'contact': {'thickness': 0.005}"
+#define JELLY                                                                                      \
+    "{'name': 'jelly', 'volume': {'grid': {'size': [0.3, 0.3, 0.3], 'cells': [3, 3, 3]}, "         \
+    "'density': 500}, 'constraints': [{'type': 'tet', 'stiffness': 1e4}]}"
+#define BONE(x, constraints)                                                                       \
+    "{'name': 'bone', 'rigid': {'sphere': {'center': [" x ", 0, 0], 'radius': 0.05}, 'density': "  \
+    "500}, 'constraints': [" constraints "]}"
+
+/* A ball in a soft cube: free, tied to the cube, without contact; and beside it. */
+static void test_inside(void **state) {
+    (void)state;
+    static const char tied[] =
+        SCENE(STEPS,
+              PAIR(JELLY, BONE("0", "{'type': 'attachment', 'to': 'jelly', 'vertices': {'all': "
+                                    "true}, 'stiffness': 100}")),
+              TOUCHING);
+    pdyn_sim *sim = test_open(SCENE(STEPS, PAIR(JELLY, BONE("0", "")), TOUCHING));
+    pdyn_warning w = find_warning(sim, "overlap", "bone");
+    assert_string_equal(w.text, "it starts inside of the volume \"jelly\"");
+    test_close(sim);
+    assert_false(warns(tied, "overlap", "bone"));
+    assert_false(warns(SCENE(STEPS, PAIR(JELLY, BONE("0", "")), ""), "overlap", "bone"));
+    assert_false(warns(SCENE(STEPS, PAIR(JELLY, BONE("0.3", "")), TOUCHING), "overlap", "bone"));
+}
+
 #define WATER_AT(x0, x1) FLUID_BOX("'name': 'far', ", "0.01", x0 ", 0, 0", x1 ", 0.1, 0.1", "")
 #define SHEET_FAR(x)                                                                               \
     GRID_SHEET("'name': 'far', ", "0.16, 0.16", "9, 9",                                            \
@@ -480,6 +505,7 @@ int main(void) {
         cmocka_unit_test(test_without_elements),
         cmocka_unit_test(test_no_stiffness),
         cmocka_unit_test(test_places),
+        cmocka_unit_test(test_inside),
         cmocka_unit_test(test_far),
         cmocka_unit_test(test_gap),
         cmocka_unit_test(test_thickness_first),

@@ -167,7 +167,26 @@ static pdyn_status check_inside(struct pdyn_sim *sim, const pdyn_body *body, con
     return status;
 }
 
-/* Bodies inside a rigid body or a solid ball: contact holds them there. */
+/* Whether a constraint of the body, as an attachment, ties it to the other one. */
+static bool is_tied(const struct scene_body *body, const pdyn_body *other) {
+    for (int k = 0; k < body->constraints; k++) {
+        const struct scene_constraint *c = &body->constraint[k];
+        for (const pdyn_param *p = c->type->params; p->name; p++)
+            if (param_other(p, c->params) && param_other(p, c->params)->body == other) return true;
+    }
+    return false;
+}
+
+/* Whether contact holds bodies in the other one that start inside of it. What is tied to a soft
+ * body, as its bones, is meant to be there. */
+static bool holds_inside(const struct pdyn_sim *sim, int b, int other) {
+    const struct scene_body *body = sim->scene.body;
+    if (other == b || body[other].is_rigid) return other != b;
+    return sim->scene.has_contact && sim->body[other].tets &&
+           !is_tied(&body[b], &sim->body[other]) && !is_tied(&body[other], &sim->body[b]);
+}
+
+/* Bodies inside a rigid body, a volume or a solid ball: contact holds them there. */
 static pdyn_status check_places(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     pdyn_status status = PDYN_OK;
@@ -175,8 +194,9 @@ static pdyn_status check_places(struct pdyn_sim *sim, int b) {
     struct box box = extent_of_body(sim, body);
     for (int k = 0; k < sim->bodies && status == PDYN_OK; k++) {
         const struct scene_body *other = &sim->scene.body[k];
-        if (k != b && other->is_rigid)
-            status = check_inside(sim, body, &box, &other->mesh, "rigid body", other->name);
+        if (holds_inside(sim, b, k))
+            status = check_inside(sim, body, &box, &other->mesh,
+                                  other->is_rigid ? "rigid body" : "volume", other->name);
     }
     for (int s = 0; s < sim->scene.solids && status == PDYN_OK; s++) {
         const struct scene_solid *solid = &sim->scene.solid[s];
