@@ -270,9 +270,15 @@ static void print_interrupted(const pdyn_sim *sim, const struct run_options *o) 
             o->scene.plugins || scene_plugins_allowed() ? " --allow-plugins" : "", time);
 }
 
-/* Warns where the first frame is the only one. A scene that is that short has a warning itself. */
-static void check_end(const pdyn_sim *sim, const struct run_options *o) {
+/* Says where a resumed run takes no step, and warns where the first frame is the only one. A scene
+ * that is that short has a warning itself. */
+static void check_end(const pdyn_sim *sim, const struct run_options *o, double end) {
     double interval = pdyn_frame_interval(sim);
+    if (o->resume && pdyn_has_reached(sim, end))
+        fprintf(stderr,
+                "projdyn: note: no step to take: the run has reached %g s, and is to end at %g s; "
+                "a later --time goes on\n",
+                pdyn_time(sim), end);
     if (!o->resume && o->given_end > 0.0 && o->given_end < (1.0 - 1e-9) * interval && !*o->duration)
         fprintf(stderr, "projdyn: warning: --time %g ends before the second frame, at %g s\n",
                 o->given_end, interval);
@@ -286,7 +292,7 @@ static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o
     pdyn_writer *writer = NULL;
     int code = open_output(context, sim, o, &writer);
     if (code != EXIT_GOOD) return code;
-    check_end(sim, o);
+    check_end(sim, o, totals.end);
     bool interrupted = false;
     pdyn_status status = simulate(sim, writer, o, &totals, &interrupted);
     code = close_output(context, writer, o, status, interrupted);

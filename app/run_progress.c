@@ -75,8 +75,6 @@ void run_print_summary(const pdyn_sim *sim, const char *output, const struct run
     printf("%ld steps to %g s in %.1f s, %.1f ms per step, integrator %s, solver %s, %s step\n",
            t->steps, pdyn_time(sim), wall, t->steps ? 1e3 * wall / (double)t->steps : 0.0,
            pdyn_integrator(sim), pdyn_solver_type(sim), pdyn_step_type(sim));
-    if (!t->steps && pdyn_has_reached(sim, t->end))
-        printf("the run has ended before; --resume with a later --time goes on\n");
     if (t->has_fluid)
         printf("density error %.4f%% (mean over all steps), %.4f%% (largest mean of a step)\n",
                t->steps ? 100.0 * t->density_error_sum / (double)t->steps : 0.0,

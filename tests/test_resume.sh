@@ -81,6 +81,8 @@ check "not one" [ "$(find bare -name '*_0*.vtk')" = "" ]
 check "the same bits without frames" same bare
 check "nothing left to do" "$program" run --resume longer --quiet
 check "the same report then" same longer
+early() { "$program" run --resume longer --quiet --time 0.05 2>&1 | grep "no step to take: the run has reached 0.2 s, and is to end at 0.05 s"; }
+check "says that the end is before the state" early
 
 # An inlet keeps room for what enters until the end of the scene, or of a run that is longer.
 cat >jet.json <<EOF
