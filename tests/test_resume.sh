@@ -113,6 +113,7 @@ check "not with another scene" refuses 'with other values of "gravity" in its sc
     "$program" run --resume shorter --set gravity=[0,0,0]
 check "nor another solver" refuses 'other values of "solver" in its scene' "$program" run --resume shorter --set solver.type=dual
 check "nor other frames" refuses 'other values of "frame_interval" in its scene' "$program" run --resume shorter --set frame_interval=0.05
+check "empty lists are those of a scene without them" "$program" run --resume shorter --quiet --time 0.04 --set outlets=[] --set probes=[]
 check "not with an unknown key" refuses 'did you mean "solver"' "$program" run --resume shorter --set solvr.tolerance=1
 check "with other iterations" "$program" run --resume shorter --quiet --time 0.08 --set solver.outer_iterations=1 \
     --set solver.tolerance=1e-9 --set time_step.maximum=0.001

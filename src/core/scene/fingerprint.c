@@ -68,6 +68,7 @@ pdyn_status fingerprint_compute(pdyn_context *context, const json_t *root, struc
     bool good = values && errno != ENOMEM;
     for (int k = 0; k < FINGERPRINTS && good; k++) {
         json_t *value = json_object_get(values, keys[k]);
+        if (json_is_array(value) && !json_array_size(value)) value = NULL; /* as its default */
         char *dump =
             value ? json_compose(value, JSON_COMPACT | JSON_SORT_KEYS | JSON_ENCODE_ANY) : NULL;
         scene->fingerprint[k] = hash_bytes(HASH_BEGIN, dump, dump ? strlen(dump) : 0);
