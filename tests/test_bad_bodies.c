@@ -307,6 +307,9 @@ static const struct bad_scene bad_solids[] = {
     {TOP("'solids': [{'box': " BOX ", 'motion': [{'time': 0, 'rotation': [0, 0, 0]}]}]"),
      "scene.json:2:90: solids[0].motion[0]: unknown key \"rotation\"; did you mean \"rotate\"?; "
      "known: time, translate, rotate"},
+    {TOP("'solids': [{'box': " BOX ", 'motion': [{'time': 0, 'pivot': [0, 0, 0]}]}]"),
+     "scene.json:2:90: solids[0].motion[0]: unknown key \"pivot\"; it is one for all keys, beside "
+     "\"motion\""},
     {TOP("'solids': [{'box': " BOX ", 'motion': [{'time': 1},\n {'time': 1}]}]"),
      "scene.json:3:11: solids[0].motion[1].time: expected a time after 1 s, found 1 s"},
     {TOP("'solids': [{'box': " BOX ", 'motion': [{'time': 1}], 'pivot': [0, 0]}]"),

@@ -71,6 +71,9 @@ static const struct bad_scene bad_constraints[] = {
     {FLUID("{'type': 'surface_tension'}"),
      "scene.json:3:18: bodies[0].constraints[0].tension: missing, expected a number from "
      "0 to 1000 N/m"},
+    {FLUID("{'type': 'surface_tension', 'sigma': 0.07}"),
+     "scene.json:3:46: bodies[0].constraints[0]: unknown key \"sigma\"; did you mean \"tension\"?; "
+     "known: type, from, until, tension, contact_angle"},
     {FLUID("{'type': 'surface_tension', 'tension': -1}"),
      "scene.json:3:57: bodies[0].constraints[0].tension: expected a number from 0 to 1000 N/m, "
      "found -1"},

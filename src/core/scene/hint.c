@@ -170,6 +170,8 @@ static const char *const translations[][2] = {
     {"string", "attachment"},
     {"tether", "attachment"},
     {"slack", "tension_only"},
+    {"sigma", "tension"},
+    {"gamma", "tension"},
     {"weld", "attachment"},
     {"balloon", "gas"},
     {"pressure", "gas"},

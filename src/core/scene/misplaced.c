@@ -1,5 +1,5 @@
-/* Keys at a wrong place: those of a body in its shape, those of a shape in its body, and those of
- * the scene or of a constraint anywhere else. */
+/* Keys at a wrong place: those of a body in its shape, those of a shape in its body, that of a
+ * motion in its keys, and those of the scene or of a constraint anywhere else. */
 #include "misplaced.h"
 
 #include "base/text.h"
@@ -54,6 +54,14 @@ static bool hint_shape(char *hint, size_t size, const struct json_at *at) {
     return false;
 }
 
+static bool hint_motion(char *hint, size_t size, const struct json_at *at) {
+    const struct json_at *keys = at->parent->parent;
+    if (strcmp(at->key, "pivot") || !keys || !keys->key || strcmp(keys->key, "motion"))
+        return false;
+    text_append(hint, size, "; it is one for all keys, beside \"motion\"");
+    return true;
+}
+
 /* Whether the object is a body of particles, or a part of one. */
 static bool is_in_fluid(const struct json_at *object) {
     for (; object; object = object->parent)
@@ -86,6 +94,6 @@ static bool hint_elsewhere(char *hint, size_t size, const struct json_at *at) {
 }
 
 bool misplaced_hint(char *hint, size_t size, const struct json_at *at) {
-    return hint_body(hint, size, at) || hint_shape(hint, size, at) ||
+    return hint_body(hint, size, at) || hint_shape(hint, size, at) || hint_motion(hint, size, at) ||
            hint_elsewhere(hint, size, at);
 }
