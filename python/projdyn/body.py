@@ -141,8 +141,10 @@ class Body(Fixed):
         shape = (len(particles), 3) if np.ndim(vertex) else (3,)
         points = doubles(target, shape, "target").reshape(-1, 3)
         k = number(stiffness, "stiffness")
-        for particle, point in zip(particles, points):
-            self._handle.call(lib.pdyn_hold, particle, k, address(point))
+        # The farthest target comes first, or one that is not finite: if it is valid, all of them are.
+        farthest = [np.argmax(np.abs(points).max(axis=1))] if len(points) else []
+        for row in [*farthest, *range(len(points))]:
+            self._handle.call(lib.pdyn_hold, particles[row], k, address(points[row]))
 
     def release(self, vertex: Any) -> None:
         """Ends the hold of a vertex, or of several."""

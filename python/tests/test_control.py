@@ -85,6 +85,17 @@ class Control(unittest.TestCase):
         with self.assertRaisesRegex(projdyn.InputError, "target: expected the shape 2 x 3, found 3"):
             sheet.hold([1, 2], [0, 0, 0])
 
+    def test_hold_all_or_none(self):
+        """A wrong target among several: none of the vertices is held."""
+        sims = [hanging_sheet().load() for _ in range(2)]
+        for wrong in (np.nan, 1e7):
+            with self.assertRaisesRegex(projdyn.InputError, "expected a target from"):
+                sims[0].bodies["sheet"].hold([70, 80], [[0, 9, 0], [0, wrong, 0]])
+        sims[0].bodies["sheet"].hold([], np.zeros((0, 3)))
+        for sim in sims:
+            sim.step()
+        np.testing.assert_array_equal(sims[0].bodies["sheet"].x, sims[1].bodies["sheet"].x)
+
     def test_animated_character(self):
         """The recipe in docs/guide/recipes.md: the character follows, without warnings."""
         page = pathlib.Path(os.environ["PROJDYN_SOURCE_ROOT"], "docs/guide/recipes.md").read_text()
