@@ -284,6 +284,9 @@ MISTAKES = [
             "153600 particles take about 0.35 GB, and there are 0.34 GB", codes=(1, 1), memory=340_000_000),
     Mistake("more water of a wide kernel than memory", change(*WATER_ONLY, ("kernel", "wendland"), ("bodies.0.particles.radius", 0.0025)),
             "153600 particles take about 0.49 GB, and there are 0.4 GB", codes=(1, 1), memory=400_000_000),
+    Mistake("a capsule far too long for the particles", change(*WATER_ONLY, ("solids.1", {
+        "name": "pole", "capsule": {"from": [1, 0, 0], "to": [1, 0, 500000], "radius": 0.02}})),
+            'the surface of "pole" is 5e+05 m long and has', codes=(2, 2)),
     Mistake("more pairs of contact than memory", change(("bodies.0", {
         "name": "jelly", "volume": {"grid": {"size": [0.1, 0.1, 0.1], "cells": [12, 12, 12]}, "translate": [0, 0.1, 0], "density": 1000},
         "constraints": [{"type": "tet", "stiffness": 1e4}]}), ("contact.thickness", 0.04)),

@@ -156,15 +156,16 @@ static bool offer_part(void *arg, const struct part *part, double cuts) {
     return true;
 }
 
-/* Refuses a surface that would take too long. */
+/* Refuses a surface that would take too long. A thin one may have a small area. */
 static pdyn_status check_size(const char *name, const struct mesh *mesh, double spacing) {
     if (has_few_candidates(mesh, spacing)) return PDYN_OK;
+    struct box box = box_around(mesh->vertex, mesh->vertices);
     return set_error(PDYN_BAD_INPUT,
-                     "the surface of \"%s\" has %.3g m^2, too many for samples %g m apart "
-                     "(above %d points to choose from): if its mesh is not in metres, "
+                     "the surface of \"%s\" is %.3g m long and has %.3g m^2, too large for samples "
+                     "%g m apart (above %d points to choose from): if its mesh is not in metres, "
                      "give it a \"scale\"; else make it no larger than fluid reaches, or the "
                      "particles larger",
-                     name, mesh_area(mesh), spacing, SURFACE_CANDIDATES);
+                     name, box_extent(&box), mesh_area(mesh), spacing, SURFACE_CANDIDATES);
 }
 
 /* Selects from the candidates of all triangles. */
