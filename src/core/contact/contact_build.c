@@ -159,6 +159,7 @@ static bool resize(struct contact *c, enum array_action action) {
         ARRAY(c->broad.edge_body, c->free_edges),
         ARRAY(c->pairs.seen, 3 * n),
         ARRAY(c->pairs.moved, n),
+        ARRAY(c->pairs.of_group, c->groups),
         ARRAY(c->path.x, 3 * n),
         ARRAY(c->path.step, 3 * n),
         ARRAY(c->path.length, n),

@@ -11,7 +11,6 @@
 #include "geometry/bvh_join.h"
 #include "projdyn/vec3.h"
 
-#include <stdatomic.h>
 #include <string.h>
 
 /* ---- pairs ----------------------------------------------------------------------------------- */
@@ -98,10 +97,19 @@ struct gathered { /* new pairs of a task */
     struct pair pair[GATHERED];
 };
 
+/* Counts the gathered pairs, which are near each other, for the groups of one of them. */
+static void count_groups(const struct gathered *g) {
+    const struct contact *c = g->all->contact;
+    int one = c->group[g->pair[0].point[0]], other = c->group[g->pair[0].point[3]];
+    atomic_fetch_add(&c->pairs.of_group[one], g->count);
+    if (other != one) atomic_fetch_add(&c->pairs.of_group[other], g->count);
+}
+
 /* Appends the gathered pairs to the list; where it has no room, they are counted only. */
 static void add_to_list(struct gathered *g) {
     struct pair_list *list = &g->all->contact->pairs;
     long at = list->count + atomic_fetch_add(&g->all->found, g->count);
+    count_groups(g);
     if (at + g->count <= list->room)
         memcpy(list->pair + at, g->pair, (size_t)g->count * sizeof *g->pair);
     g->count = 0;
@@ -173,6 +181,14 @@ void contact_free_pairs(struct contact *c) {
 static const double pair_memory = sizeof(struct pair) + sizeof(struct hit) + sizeof(struct keyed) +
                                   sizeof(int) + sizeof(struct blocked);
 
+/* The body or solid with the most new pairs. */
+static const char *most_pairs(const struct contact *c) {
+    int most = 0;
+    for (int g = 1; g < c->groups; g++)
+        if (c->pairs.of_group[g] > c->pairs.of_group[most]) most = g;
+    return c->name[most];
+}
+
 /* Fails where the machine lacks memory for a list with this room: many systems grant more memory
  * than there is, and then stop the program without a message. */
 static pdyn_status check_memory(const struct contact *c, int count, int room) {
@@ -180,10 +196,10 @@ static pdyn_status check_memory(const struct contact *c, int count, int room) {
     if (bytes + (double)pdyn_bytes_in_use(c->context) <= machine) return PDYN_OK;
     return set_error(
         PDYN_NO_MEMORY,
-        "contact: %d pairs of a vertex and a triangle, or of two edges, can come closer "
-        "than the thickness of %g m; they take about %.2g GB, and there are %.2g GB: "
-        "expected a smaller \"thickness\" or coarser meshes",
-        count, c->settings->thickness, bytes * 1e-9, machine * 1e-9);
+        "contact: %d pairs of a vertex and a triangle, or of two edges, most of them of "
+        "\"%s\", can come closer than the thickness of %g m; they take about %.2g GB, and "
+        "there are %.2g GB: expected a smaller \"thickness\" or coarser meshes",
+        count, most_pairs(c), c->settings->thickness, bytes * 1e-9, machine * 1e-9);
 }
 
 /* Makes room for `count` pairs; those in the list stay. PDYN_NO_MEMORY: nothing has changed. */
@@ -224,6 +240,7 @@ static pdyn_status add_new(struct contact *c) {
     list_tasks(c, &all);
     for (;;) {
         atomic_init(&all.found, 0);
+        for (int g = 0; g < c->groups; g++) atomic_init(&c->pairs.of_group[g], 0);
         pool_for(c->context->pool, all.tasks, TASKS, do_tasks, &all);
         long count = c->pairs.count + atomic_load(&all.found);
         if (count > INT32_MAX / 4)

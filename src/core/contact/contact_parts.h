@@ -10,6 +10,8 @@
 #include "rows/row_memory.h"
 #include "scene/scene.h"
 
+#include <stdatomic.h>
+
 struct pair {         /* two primitives that may come into contact */
     uint64_t key;     /* highest bit: two edges; the bits from 32: number of the vertex or of the
                          first edge; the lower ones: number of the face or of the second edge */
@@ -89,9 +91,10 @@ struct broad_phase {
 struct pair_list {   /* what the broad phase found */
     int count, room; /* room: of `pair`, and of arrays of contact_paths and contact_hits */
     struct pair *pair;
-    bool complete; /* the last search did not fail; the first one has been done */
-    double *seen;  /* points x 3, m: positions of the distances of pairs */
-    double *moved; /* points, m: distance from there */
+    bool complete;         /* the last search did not fail; the first one has been done */
+    double *seen;          /* points x 3, m: positions of the distances of pairs */
+    double *moved;         /* points, m: distance from there */
+    atomic_long *of_group; /* groups: new pairs of the last search, about */
 };
 
 /* Displacements without collision (contact_paths.c). */
