@@ -11,6 +11,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#define PALETTE "split[a][b];[a]palettegen=stats_mode=full[p];[b][p]paletteuse=dither=none"
+
 static const struct encoder {
     const char *ending, *container, *options[10];
 } encoders[FILM_FORMATS] = {
@@ -20,10 +22,7 @@ static const struct encoder {
                   {"-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags",
                    "+faststart"}},
     [FILM_WEBM] = {".webm", "webm", {"-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0"}},
-    [FILM_GIF] = {".gif",
-                  "gif",
-                  {"-vf", "split[a][b];[a]palettegen=stats_mode=full[p];"
-                          "[b][p]paletteuse=dither=none"}},
+    [FILM_GIF] = {".gif", "gif", {"-vf", PALETTE}},
 };
 
 bool film_find_format(const char *path, enum film_format *format) {
@@ -45,7 +44,7 @@ static void run_ffmpeg(const struct film *film, const char *program, double fps,
     int count = 12;
     for (int k = 0; encoder->options[k]; k++) args[count++] = encoder->options[k];
     /* Programs show a picture of less than 2/100 s for a tenth of a second. */
-    if (film->format == FILM_GIF && fps > 50.0) args[count++] = "-r", args[count++] = "50";
+    if (film->format == FILM_GIF && fps > 50.0) args[count - 1] = "fps=50," PALETTE;
     args[count++] = "-f";
     args[count++] = encoder->container;
     args[count++] = film->temporary ? film->temporary : film->path;
