@@ -281,6 +281,28 @@ static void test_slack(void **state) {
     }
 }
 
+/* Strings without length are never slack: a seam of them takes the first step with the bits of one
+ * of springs. The sheets of the seam lie on each other. */
+static void test_seam_of_strings(void **state) {
+    (void)state;
+    static const char seam[] =
+        PAIR(GRID_SHEET("", "1, 1", "4, 4", "'area_density': 1",
+                        "{'type': 'attachment', 'to': 'roof', 'vertices': {'border': true}, "
+                        "'stiffness': 1000, 'length': 0, 'damping': 0.01, 'tension_only': %s}"),
+             GRID_SHEET("'name': 'roof', ", "1, 1", "4, 4", "'area_density': 1",
+                        "{'type': 'pin', 'vertices': {'all': true}, 'stiffness': 1e4}"));
+    pdyn_sim *sim[2];
+    for (int k = 0; k < 2; k++) {
+        char bodies[2048];
+        snprintf(bodies, sizeof bodies, seam, k ? "true" : "false");
+        sim[k] = load(test_context(1), 0.01, -gravity, "auto", bodies);
+        test_step(sim[k]);
+    }
+    assert_memory_equal(sim[0]->x, sim[1]->x, 96 * sizeof *sim[0]->x);
+    test_close(sim[0]);
+    test_close(sim[1]);
+}
+
 /* N, the force of all strings on the load in the last step. */
 static double tension(const pdyn_sim *sim) { return vec3_length(pdyn_get_probe(sim, 0).value); }
 
@@ -412,6 +434,7 @@ int main(void) {
                                        cmocka_unit_test(test_damped_oscillation_long),
                                        cmocka_unit_test(test_rigid_weight),
                                        cmocka_unit_test(test_slack),
+                                       cmocka_unit_test(test_seam_of_strings),
                                        cmocka_unit_test(test_hanging),
                                        cmocka_unit_test(test_circle),
                                        cmocka_unit_test(test_tension),

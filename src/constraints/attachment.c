@@ -93,7 +93,7 @@ static double length_of(const pdyn_batch *b, int e) {
 }
 
 static bool is_slack(const struct params *q, const pdyn_batch *b, int e) {
-    return q->tension_only && vec3_length(b->u + 3 * (size_t)e) <= length_of(b, e);
+    return q->tension_only && vec3_length(b->u + 3 * (size_t)e) < length_of(b, e);
 }
 
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
