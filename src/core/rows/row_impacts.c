@@ -25,8 +25,8 @@ static double sum_of_row(const struct batch *b, int r) {
 
 /* The rate of the length of a string before the step, m/s, along its direction then, less that of
  * the same velocities along its direction after the step. The string turns in the step: without
- * this difference the force that keeps a body on a circle would be an impact. A string is a row
- * that always exists, is 0 for common motions, and has a force along u. 0 for other rows. */
+ * this difference the force that keeps a body on a circle would be an impact. The row of a string
+ * always exists, has coefficients whose sum is 0, and a force along u. 0 for other rows. */
 static double rate_by_turn(const struct batch *b, int r, const struct velocity_change *change,
                            const v4 *flux, const v4 *slowed) {
     v4 u = {0}, start, before;

@@ -175,7 +175,8 @@ static void wait_for_trial(struct pdyn_sim *sim, bool lost) {
     c->next = sim->steps + c->wait, c->trial = false;
 }
 
-/* Where neither solver solves the steps, at most one step in five is one with a dual solver. */
+/* Where neither solver solves the steps, every second step has a dual solver at first, and one in
+ * five after the longest wait. */
 static void shorten_wait(struct pdyn_sim *sim) {
     long *next = &sim->choice.next;
     *next = sim->steps + FAR_OFF < *next ? *next - FAR_OFF : sim->steps;
