@@ -4,6 +4,8 @@
 #include "../src/solvers/remainder_solve.h"
 #include "step/line_search.h"
 
+#include "projdyn/control.h"
+
 #include <string.h>
 
 /* A block of 8 x 5 x 8 particles falls on a sheet that is held at its border. */
@@ -58,6 +60,21 @@ static void test_same_motion(void **state) {
     assert_int_equal(pressures.dual_steps, pressures.steps);
     assert_true(fabs(pressures.kinetic - positions.kinetic) < 1e-3 * positions.kinetic);
     assert_true(test_distance(pressures.x, positions.x, 3) < 1e-6);
+}
+
+/* New solvers, after a change of a weight, go on with the count of steps in pressures. */
+static void test_dual_steps(void **state) {
+    (void)state;
+    const char *solver = "solver.type=dual";
+    pdyn_sim *sim = test_load_with(test_context(1), POUR(ROUGH, "1e6"), &solver, 1);
+    for (int step = 0; step < 4; step++) {
+        double stiffness = 3000.0 + 100.0 * step;
+        assert_int_equal(pdyn_set_parameter(sim, 1, "stretching_stiffness", &stiffness, 1),
+                         PDYN_OK);
+        test_step(sim);
+    }
+    assert_int_equal(sim->choice.dual_steps, 4);
+    test_close(sim);
 }
 
 /* With the stiffness of the paper, every step is solved, in less work than in positions, and the
@@ -274,11 +291,12 @@ static void test_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_motion), cmocka_unit_test(test_stiff),
-        cmocka_unit_test(test_very_stiff),  cmocka_unit_test(test_surprise),
-        cmocka_unit_test(test_trial),       cmocka_unit_test(test_unsolved),
-        cmocka_unit_test(test_work),        cmocka_unit_test(test_remainder_error),
-        cmocka_unit_test(test_overshoot),   cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_same_motion),     cmocka_unit_test(test_dual_steps),
+        cmocka_unit_test(test_stiff),           cmocka_unit_test(test_very_stiff),
+        cmocka_unit_test(test_surprise),        cmocka_unit_test(test_trial),
+        cmocka_unit_test(test_unsolved),        cmocka_unit_test(test_work),
+        cmocka_unit_test(test_remainder_error), cmocka_unit_test(test_overshoot),
+        cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests_name("pressures", tests, NULL, NULL);
 }

@@ -157,7 +157,7 @@ void solver_choice_free(struct pdyn_sim *sim) {
         context_resize(sim->context, slot->state, slot->solver->state_size, 0);
     }
     solver_view_free(&sim->model);
-    *c = (struct solver_choice){0}, sim->model = (struct solver_view){0};
+    *c = (struct solver_choice){.dual_steps = c->dual_steps}, sim->model = (struct solver_view){0};
 }
 
 /* ---- from step to step ----------------------------------------------------------------------- */

@@ -46,7 +46,8 @@ struct solver_choice {
  * that suit it. PDYN_BAD_INPUT: it does not exist, or cannot solve the scene. After a failure the
  * choice is to be freed, too. */
 pdyn_status solver_choice_create(struct pdyn_sim *sim);
-/* Frees the solvers and the model, which refer to batches; they can be created again. */
+/* Frees the solvers and the model, which refer to batches; they can be created again. The number of
+ * dual steps stays. */
 void solver_choice_free(struct pdyn_sim *sim);
 
 /* Warns where a direct solver factors a matrix that changes. */
