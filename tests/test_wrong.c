@@ -501,6 +501,44 @@ static void test_numeric_tangent(void **state) {
     wrong_expect(t, "element 0 has 13 rows, expected at most 12 with PDYN_NUMERIC_TANGENT");
 }
 
+/* ---- parameters that are true or false ------------------------------------------------------- */
+
+struct switched {
+    struct params common;
+    bool on;
+};
+
+static const pdyn_param switches[2][3] = {
+    {{"stiffness", PDYN_REAL, 0, false, 100, 0, 1e6, "N/m", "of each edge"},
+     {"on", PDYN_BOOL, offsetof(struct switched, on), false, 1, 0, 0, "", "whether it acts"},
+     {0}},
+    {{"stiffness", PDYN_REAL, 0, false, 100, 0, 1e6, "N/m", "of each edge"},
+     {"askew", PDYN_BOOL, offsetof(struct switched, on), false, 0, 0, 0, "", "a fault"},
+     {0}}};
+
+static void project_if_on(const void *par, const pdyn_batch *b, int first, int last) {
+    (((const struct switched *)par)->on ? project : project_never)(par, b, first, last);
+}
+
+static void tangent_if_on(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+    (((const struct switched *)par)->on ? tangent : tangent_identity)(par, b, first, last, J);
+}
+
+static void project_askew_if_on(const void *par, const pdyn_batch *b, int first, int last) {
+    (((const struct switched *)par)->on ? project_askew : project)(par, b, first, last);
+}
+
+/* Both values of a parameter are checked; with one of them the type may do nothing. */
+static void test_switches(void **state) {
+    (void)state;
+    pdyn_constraint_type t = good;
+    t.damping = NULL, t.damping_rest = NULL;
+    t.params = switches[0], t.params_size = sizeof(struct switched);
+    t.project = project_if_on, t.tangent = tangent_if_on, wrong_expect(t, NULL);
+    t = good, t.params = switches[1], t.params_size = sizeof(struct switched);
+    t.project = project_askew_if_on, wrong_expect(t, ", true and false exchanged): ");
+}
+
 static void damping_rest_nothing(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par, (void)b, (void)first, (void)last;
 }
@@ -649,6 +687,7 @@ int main(void) {
         cmocka_unit_test(test_memory),
         cmocka_unit_test(test_energy),
         cmocka_unit_test(test_numeric_tangent),
+        cmocka_unit_test(test_switches),
         cmocka_unit_test(test_mathematics),
         cmocka_unit_test(test_solvers),
     };

@@ -32,6 +32,7 @@ static void check_type_on(struct check *check) {
     }
     check->strain = acting;
     if (check->faults) return;
+    if (check->switched && !check->active) return; /* a parameter may switch the type off */
     if (!check->found)
         fault(check, "not exercised: update gives no element in any trial; trials have no contacts "
                      "and no wet sides");
