@@ -41,8 +41,7 @@ PDYN_API pdyn_status pdyn_set_velocities(pdyn_sim *sim, int first, int count, co
  * for each key of a path (time and three numbers); of a table all rows, or one row for all parts of
  * the body. PDYN_BAD_INPUT: unknown, out of bounds, not changeable
  * (pdyn_parameter_info.changeable), or against a rule of the type, as a gas below vacuum; the old
- * value stays. Solvers; a path, or a parameter that changes neither rows nor weights of a
- * constraint without damping: nothing. */
+ * value stays. Solvers; a path, or a parameter that changes neither rows nor weights: nothing. */
 PDYN_API pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name,
                                         const double *value, int count);
 /* Switches a constraint off and on. PDYN_BAD_INPUT: a constraint that is matrix-free, as "fluid".

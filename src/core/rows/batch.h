@@ -38,6 +38,7 @@ struct batch {
                         mean force is w (u - p) less left_out times the flux, which holds the
                         impact forces; for pins, less left_out times itself (forces_pass_on) */
     bool damper;     /* the second batch of pdyn_constraint_type.damping */
+    double damping;  /* of a damper, s */
     bool off;        /* switched off: all weights are 0 */
     bool weights_change; /* the last `begin` changed a weight */
 
@@ -109,6 +110,9 @@ static inline bool type_gives_energy(const pdyn_constraint_type *type) {
 /* Replaces the rows by one constant matrix if the type says that they are linear. u, p and flux are
  * not used then. */
 pdyn_status batch_join_rows(struct batch *batch);
+
+/* Makes a batch the damper of another one of the same type and parameters. */
+void batch_make_damper(struct batch *batch);
 
 /* The parameters have changed, or `off` has: fills data and weights anew, or tells the operator.
  * Sets *changed to true unless rows and weights, of which solvers keep something, are the same.

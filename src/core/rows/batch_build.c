@@ -165,18 +165,20 @@ static bool has_same_rows(const struct batch *b) {
     return true;
 }
 
-/* A hash of what solvers keep of the rows: G and the weights. */
+/* A hash of what solvers keep of the rows: G and the weights, but for those of a damper, which
+ * follow from the weights of the other batch, the damping and the step. */
 static uint64_t hash_rows(const struct batch *b) {
     const pdyn_batch *v = &b->view;
     uint64_t hash = HASH_BEGIN;
     hash = hash_bytes(hash, v->column, (size_t)b->entries * sizeof *v->column);
     hash = hash_bytes(hash, v->coefficient, (size_t)b->entries * sizeof *v->coefficient);
-    return hash_bytes(hash, v->weight, (size_t)v->elements * sizeof *v->weight);
+    return b->damper ? hash : hash_bytes(hash, v->weight, (size_t)v->elements * sizeof *v->weight);
 }
 
-/* The weights of a damper depend on parameters that the rows do not show. */
 static bool has_changed(const struct batch *b, uint64_t before) {
-    return b->damper || hash_rows(b) != before || is_linear(b) != (b->linear != NULL);
+    if (hash_rows(b) != before) return true;
+    return b->damper ? b->type->damping(b->params) != b->damping
+                     : is_linear(b) != (b->linear != NULL);
 }
 
 static pdyn_status join_again(struct batch *b) {
@@ -184,6 +186,10 @@ static pdyn_status join_again(struct batch *b) {
     b->linear = NULL;
     pdyn_status status = index_rows(b);
     return status == PDYN_OK && !b->damper ? batch_join_rows(b) : status;
+}
+
+void batch_make_damper(struct batch *b) {
+    b->damper = true, b->damping = b->type->damping(b->params);
 }
 
 pdyn_status batch_refresh(struct batch *b, bool *changed) {
@@ -197,6 +203,7 @@ pdyn_status batch_refresh(struct batch *b, bool *changed) {
     if (!b->type->begin) rows_weigh(b, 0, v->elements);
     if (!has_changed(b, before)) return PDYN_OK;
     *changed = true;
+    if (b->damper) b->damping = b->type->damping(b->params);
     return join_again(b);
 }
 

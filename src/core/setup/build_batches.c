@@ -28,7 +28,7 @@ static pdyn_status add_damper(struct pdyn_sim *sim, const pdyn_body *body,
                               const struct scene_constraint *c) {
     if (!c->type->damping || c->type->damping(c->params) == 0.0) return PDYN_OK;
     pdyn_status status = add_batch(sim, body, c);
-    if (status == PDYN_OK) sim->objective.batch[sim->objective.batches - 1]->damper = true;
+    if (status == PDYN_OK) batch_make_damper(sim->objective.batch[sim->objective.batches - 1]);
     return status;
 }
 
