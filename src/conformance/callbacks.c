@@ -1,6 +1,7 @@
 /* Checks of a constraint type's callbacks, one by one: a callback may write only its own arrays,
  * there only the entries of its elements, and must give the same result for any range and order of
  * elements. */
+#include "base/param_kind.h"
 #include "guarded.h"
 
 #include <math.h>
@@ -132,9 +133,7 @@ static void check_maps(struct check *check, struct guarded *a, struct guarded *b
 
 /* Whether core expects no energy from the type (module.h, `energy`). */
 static bool gives_nothing(const pdyn_constraint_type *t) {
-    for (const pdyn_param *p = t->params; p->name; p++)
-        if (p->kind == PDYN_PATH) return false;
-    return !type_gives_energy(t) && !t->matrix_free;
+    return !type_gives_energy(t) && !t->matrix_free && !type_has_kind(t, PDYN_PATH);
 }
 
 /* The energy of all elements is the sum of those of RANGES of them, and at least 0 where core

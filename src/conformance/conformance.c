@@ -3,6 +3,7 @@
 #include "conformance.h"
 
 #include "base/bad_call.h"
+#include "base/param_kind.h"
 
 /* Each check gets a trial of its own, so that faults do not affect later checks. The other checks
  * need callbacks that write only where they may: without, they are skipped. */
@@ -57,12 +58,6 @@ static bool has_vertices(struct check *check) {
     return true;
 }
 
-static bool has_switch(const pdyn_constraint_type *type) {
-    const pdyn_param *p = type->params;
-    while (p->name && p->kind != PDYN_BOOL) p++;
-    return p->name;
-}
-
 static void check_type(struct check *check) {
     static const unsigned excludes[BODY_KINDS] = {[SURFACE] = PDYN_ON_PARTICLES | PDYN_ON_VOLUME |
                                                               PDYN_ON_CLOSED,
@@ -72,7 +67,7 @@ static void check_type(struct check *check) {
         check->kind = (enum body_kind)kind;
         if (check->type->flags & excludes[kind]) continue;
         if (kind == PARTICLES && !has_vertices(check)) continue;
-        for (int k = 0; k <= has_switch(check->type) && !check->faults; k++) {
+        for (int k = 0; k <= type_has_kind(check->type, PDYN_BOOL) && !check->faults; k++) {
             check->switched = k;
             check_type_on(check);
         }

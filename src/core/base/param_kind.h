@@ -27,11 +27,16 @@ static inline const pdyn_other *param_other(const pdyn_param *param, const void 
                                      : NULL;
 }
 
+/* Whether a type has a parameter of this kind. */
+static inline bool type_has_kind(const pdyn_constraint_type *type, pdyn_param_kind kind) {
+    const pdyn_param *p = type->params;
+    while (p->name && p->kind != kind) p++;
+    return p->name;
+}
+
 /* Whether constraints of a type act between their body and another one. */
 static inline bool type_ties_to_other(const pdyn_constraint_type *type) {
-    for (const pdyn_param *p = type->params; p->name; p++)
-        if (p->kind == PDYN_OTHER) return true;
-    return false;
+    return type_has_kind(type, PDYN_OTHER);
 }
 
 /* Whether their forces on the body may have a sum. */
