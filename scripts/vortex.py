@@ -66,7 +66,8 @@ def main():
     usual = {"spacing": 0.03, "depth": 0.3, "h": 0.005, "integrator": "bdf2", "xsph": 0.0, "kernel": "cubic_spline"}
     smooth = {"kernel": "wendland"}
     rows = [(0.3, {}), (0.3, {"spacing": 0.02}), (0.3, {"depth": 0.15}), (0.3, {"depth": 0.6}), (0.1, {}), (0.6, {}),
-            (0.3, {"h": 0.001}), (0.3, {"integrator": "euler"}), (0.3, {"xsph": 0.02}), (0.3, smooth),
+            (0.3, {"h": 0.001}), (0.3, {"integrator": "euler"}), (0.3, {"xsph": 0.02}),
+            (0.3, {"xsph": 0.02, "h": 0.001}), (0.3, smooth),
             (0.3, {**smooth, "spacing": 0.02}), (0.3, {**smooth, "depth": 0.15}), (0.3, {**smooth, "depth": 0.6}),
             (0.1, smooth), (0.6, smooth), (0.3, {**smooth, "xsph": 0.02})]
     share = 1.0
