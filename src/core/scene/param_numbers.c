@@ -42,14 +42,14 @@ pdyn_status params_int(const struct json_at *at, double min, double max, int *ou
     return expected_number(at, "a whole number", min, max, "");
 }
 
-pdyn_status params_ints(const struct json_at *at, int count, double min, double max, int *out) {
+pdyn_status params_counts(const struct json_at *at, int count, double min, int *out) {
     char text[WHAT] = "";
     text_append(text, sizeof text, "an array of %d whole numbers", count);
     if (json_array_size(at->value) != (size_t)count) return json_expected(at, text);
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < count && status == PDYN_OK; k++) {
         struct json_at element = json_element(at, (size_t)k);
-        status = params_int(&element, min, max, &out[k]);
+        status = params_int(&element, min, MAX_PARTICLES, &out[k]);
     }
     return status;
 }

@@ -42,8 +42,8 @@ void params_describe_bounds(char *text, size_t size, const char *what, double mi
 pdyn_status params_real(const struct json_at *at, double min, double max, const char *unit,
                         double *out);
 pdyn_status params_int(const struct json_at *at, double min, double max, int *out);
-/* Reads an array of exactly `count` whole numbers. */
-pdyn_status params_ints(const struct json_at *at, int count, double min, double max, int *out);
+/* Reads an array of exactly `count` whole numbers from `min` to MAX_PARTICLES. */
+pdyn_status params_counts(const struct json_at *at, int count, double min, int *out);
 /* Reads an array of exactly `count` numbers. */
 pdyn_status params_reals(const struct json_at *at, int count, double min, double max,
                          const char *unit, double *out);

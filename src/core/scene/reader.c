@@ -112,7 +112,9 @@ pdyn_status reader_one_of(const struct json_at *at, const char *const *names, in
                  : k + 1 == count ? " and "
                                   : ", ",
                  names[k]);
-        if (json_object_get(at->value, names[k])) *out = k, found++;
+        if (!json_object_get(at->value, names[k])) continue;
+        found++;
+        if (out) *out = k;
     }
     if (found == 1) return PDYN_OK;
     const char *none = count == 2 ? "neither" : "none", *more = count == 2 ? "both" : "more";

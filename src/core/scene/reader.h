@@ -46,7 +46,8 @@ pdyn_status reader_choice(const struct json_at *at, const char *what, const char
                           int count, int *out);
 /* The constraint type of this name, built-in or of a plug-in. */
 pdyn_status reader_constraint_type(const struct json_at *at, const pdyn_constraint_type **out);
-/* Index of the key in `names` that the object has. PDYN_BAD_INPUT: it has none or several. */
+/* Index of the key in `names` that the object has; out NULL: checks alone. PDYN_BAD_INPUT: it has
+ * none or several. */
 pdyn_status reader_one_of(const struct json_at *at, const char *const *names, int count, int *out);
 /* The name of a body, a solid or a probe, allocated; default: kind and index, e.g. "body0". */
 pdyn_status reader_name(struct reader *r, const struct json_at *owner, const char *kind, int index,

@@ -148,9 +148,8 @@ static pdyn_status read(struct reader *r, const struct json_at *at) {
     static const char *const masses[] = {"density", "mass"};
     struct scene_body *body = r->body;
     struct transform transform;
-    int unused;
     body->has_mesh = body->is_rigid = true;
-    pdyn_status status = reader_one_of(at, masses, 2, &unused);
+    pdyn_status status = reader_one_of(at, masses, 2, NULL);
     if (status == PDYN_OK) status = read_shape(r, at, &transform);
     if (status == PDYN_OK) status = weigh(at, body);
     return status == PDYN_OK ? move_centre(at, &transform, body) : status;

@@ -18,7 +18,7 @@ static pdyn_status read_tet_grid(struct reader *r, const struct json_at *at) {
     int cells[3];
     pdyn_status status = params_check_keys(at, NULL, keys);
     if (status == PDYN_OK) status = params_reals(&size_at, 3, 1e-6, 1e6, "m", size);
-    if (status == PDYN_OK) status = params_ints(&cells_at, 3, 1, MAX_PARTICLES, cells);
+    if (status == PDYN_OK) status = params_counts(&cells_at, 3, 1, cells);
     if (status == PDYN_OK) vertices = (1.0 + cells[0]) * (1.0 + cells[1]) * (1.0 + cells[2]);
     if (status == PDYN_OK) status = reader_add_particles(r, &cells_at, vertices);
     if (status == PDYN_OK && vertices > MAX_PARTICLES / 16)
@@ -47,9 +47,8 @@ static pdyn_status read(struct reader *r, const struct json_at *at) {
     struct json_at grid = json_member(at, "grid"), mesh = json_member(at, "mesh");
     struct json_at cell = json_member(at, "cell");
     struct transform transform;
-    int shape;
     body->has_mesh = true;
-    pdyn_status status = reader_one_of(at, others, 2, &shape);
+    pdyn_status status = reader_one_of(at, others, 2, NULL);
     if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
     if (status == PDYN_OK && cell.value && grid.value)
         status = json_fail_at_key(&cell, "\"cell\" needs a \"mesh\"");
