@@ -12,9 +12,4 @@ void momentum_subtract(const struct pdyn_sim *sim, const double sum[3], double *
  * constraint is anchored, it does nothing. */
 pdyn_status momentum_restore(struct pdyn_sim *sim);
 
-/* Warns of a constraint of rows whose forces do not sum to zero although its type does not say
- * PDYN_ANCHORED: momentum_restore has taken away what it did to the momentum. After a successful
- * attempt at a step. */
-pdyn_status momentum_warn(struct pdyn_sim *sim);
-
 #endif

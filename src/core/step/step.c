@@ -188,7 +188,7 @@ static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *e
         status = attempt(sim, end, progress);
         ++*retries;
     }
-    if (status == PDYN_OK) status = momentum_warn(sim);
+    if (status == PDYN_OK) status = warn_of_momentum(sim);
     if (status == PDYN_OK) status = objective_end(&sim->objective);
     if (status == PDYN_OK) return PDYN_OK;
     sim->eps = eps, sim->history = history;

@@ -12,6 +12,11 @@ void warn_of_gaps(struct pdyn_sim *sim, double density_error_max);
 /* Warns of pins that contact keeps from their targets, a part of it. */
 void warn_of_pins(struct pdyn_sim *sim);
 
+/* Warns of a constraint of rows whose forces do not sum to zero although its type does not say
+ * PDYN_ANCHORED. After a successful attempt at a step, before it is accepted: its local step is
+ * done once more. */
+pdyn_status warn_of_momentum(struct pdyn_sim *sim);
+
 /* A particle of a contact that pins hold on both sides: no force of contact moves it; -1: they do
  * not. */
 int warn_pinned_particle(const struct pdyn_sim *sim, const pdyn_contact *contact);
