@@ -27,6 +27,12 @@ static inline const pdyn_other *param_other(const pdyn_param *param, const void 
                                      : NULL;
 }
 
+/* The body that a parameter names; NULL: none. */
+static inline const pdyn_body *param_body(const pdyn_param *param, const void *params) {
+    const pdyn_other *other = param_other(param, params);
+    return other ? other->body : NULL;
+}
+
 /* Whether a type has a parameter of this kind. */
 static inline bool type_has_kind(const pdyn_constraint_type *type, pdyn_param_kind kind) {
     const pdyn_param *p = type->params;

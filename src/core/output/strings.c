@@ -11,7 +11,7 @@ enum { ENTRIES = 4 }; /* of the row of a spring: the vertex, the three corners o
 /* The other body that a constraint names; NULL: none. */
 static const pdyn_body *other_of(const struct batch *b) {
     for (const pdyn_param *p = b->type->params; p->name; p++)
-        if (param_other(p, b->params)) return param_other(p, b->params)->body;
+        if (param_body(p, b->params)) return param_body(p, b->params);
     return NULL;
 }
 

@@ -13,8 +13,7 @@ static pdyn_status make_index(struct batch *b) {
     int low, high;
     rows_selectable(b, &low, &high);
     for (const pdyn_param *p = b->type->params; p->name; p++) {
-        const pdyn_other *other = param_other(p, b->params);
-        const pdyn_body *body = other ? other->body : NULL;
+        const pdyn_body *body = param_body(p, b->params);
         if (body && body->first < low) low = body->first;
         if (body && body->first + body->count > high) high = body->first + body->count;
     }

@@ -25,8 +25,8 @@ pdyn_status rows_fault(const struct batch *b, const char *format, ...) {
 /* Whether a parameter names the body of this particle. */
 static bool is_of_other(const struct batch *b, int particle) {
     for (const pdyn_param *p = b->type->params; p->name; p++) {
-        const pdyn_other *other = param_other(p, b->params);
-        if (other && other->body && body_has(other->body, particle)) return true;
+        const pdyn_body *other = param_body(p, b->params);
+        if (other && body_has(other, particle)) return true;
     }
     return false;
 }
@@ -36,10 +36,10 @@ static pdyn_status column_fault(const struct batch *b, int element, int particle
                                 int high) {
     char others[160] = "";
     for (const pdyn_param *p = b->type->params; p->name; p++) {
-        const pdyn_other *other = param_other(p, b->params);
-        if (other && other->body)
-            text_append(others, sizeof others, ", or %d to %d of body \"%s\"", other->body->first,
-                        other->body->first + other->body->count - 1, other->body->name);
+        const pdyn_body *other = param_body(p, b->params);
+        if (other)
+            text_append(others, sizeof others, ", or %d to %d of body \"%s\"", other->first,
+                        other->first + other->count - 1, other->name);
     }
     return rows_fault(b, "element %d selects particle %d, expected %d to %d%s", element, particle,
                       low, high - 1, others);
