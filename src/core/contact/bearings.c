@@ -6,9 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-static double stiffness_of(const struct contact *c, const pdyn_contact *contact) {
-    return barrier_stiffness(contact->share * c->settings->stiffness, contact->thickness,
-                             contact->distance);
+/* k of the barrier of a contact, N/m */
+static double barrier_of(const struct contact *c, const pdyn_contact *contact) {
+    return contact->share * c->settings->stiffness;
 }
 
 /* ---- bearings -------------------------------------------------------------------------------- */
@@ -46,9 +46,8 @@ static void points_of(const struct contact *c, const struct bearing *bearing,
 static void add_contact(const struct contact *c, struct bearing *bearing, int e) {
     const pdyn_contact *contact = &c->start.contact[e];
     const struct stencil *s = &c->start.stencil[e];
-    double k = contact->share * c->settings->stiffness, weight = c->bearings->contact[e].stiffness;
-    double point[2][3];
-    double force = barrier_force(k, contact->thickness, contact->distance);
+    double point[2][3], weight = c->bearings->contact[e].stiffness;
+    double force = barrier_force(barrier_of(c, contact), contact->thickness, contact->distance);
     double sign = c->group[s->point[0]] == bearing->group[0] ? 1.0 : -1.0;
     points_of(c, bearing, s, point);
     bearing->force += force, bearing->stiffness += weight;
@@ -68,9 +67,11 @@ static pdyn_status gather(struct contact *c) {
     for (int k = 0; k < c->groups; k++) t->first[k] = -1;
     for (int e = 0; e < c->start.view.count; e++) {
         const struct stencil *s = &c->start.stencil[e];
+        const pdyn_contact *contact = &c->start.contact[e];
         int a = c->group[s->point[0]], b = c->group[s->point[3]];
         struct bearing_contact *own = &t->contact[e];
-        *own = (struct bearing_contact){-1, stiffness_of(c, &c->start.contact[e])};
+        *own = (struct bearing_contact){
+            -1, barrier_stiffness(barrier_of(c, contact), contact->thickness, contact->distance)};
         if (is_soft(c, a) || is_soft(c, b) || !(own->stiffness > 0.0)) continue;
         struct bearing *bearing = a < b ? find_or_add(c, a, b) : find_or_add(c, b, a);
         if (!bearing) return PDYN_NO_MEMORY;
