@@ -38,10 +38,11 @@ static bool is_passed(const struct contact *c, const struct pair *p) {
  * the vertices along a seam, or the layers of a mesh that is folded flat. */
 static const double joined = 1e-2;
 
-/* Whether the pair can come closer than its thickness while its points are in their regions; sets
- * its distance and thickness. moved: how far the points were from there in `seen`. Within a
- * body the thickness is less than the distance in the rest shape, so that the rest shape has no
- * contact forces; parts that are joined are no pair. */
+/* Whether the pair can come closer than its thickness while its points are in their regions. Sets
+ * its thickness, and a lower bound of its distance at pairs.seen: the distance where the regions
+ * were set, less how far the points moved between the two (pairs.moved). Within a body the
+ * thickness is less than the distance in the rest shape, so that the rest shape has no contact
+ * forces; parts that are joined are no pair. */
 static bool close_enough(const struct contact *c, struct pair *p) {
     int first = pair_kind_of(p->key)->first;
     bool same = c->group[p->point[0]] == c->group[p->point[3]];

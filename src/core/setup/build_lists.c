@@ -91,7 +91,8 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim) {
     return status;
 }
 
-/* Nothing goes around solids, and bodies that hide. */
+/* Walls close the borders of surfaces: a fluid does not flow around a border that meets a solid, or
+ * a body that hides particles from each other. */
 static pdyn_status create_border(struct pdyn_sim *sim, double width) {
     int capacity = sim->scene.solids + sim->bodies, walls = 0;
     struct border_wall *wall = NEW_ARRAY(sim->context, capacity, struct border_wall);
@@ -107,8 +108,8 @@ static pdyn_status create_border(struct pdyn_sim *sim, double width) {
     return status;
 }
 
-/* Does some surface need the limit on displacements? Walls of a box and boundary "points" do not.
- */
+/* Makes the limit on displacements where surfaces need it. Walls of a box and the boundary model
+ * "points" need none. */
 static pdyn_status make_limits(struct pdyn_sim *sim) {
     bool surfaces = sim->objective.samples;
     for (int k = 0; k < sim->boundary.at.count; k++) surfaces |= !sim->boundary.point[k].of_box;
