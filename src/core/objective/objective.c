@@ -260,8 +260,8 @@ void objective_diagonal(struct objective *o, pdyn_part part, double *blocks) {
     sum_diagonal(o, part, batch_diagonal, blocks);
 }
 
-void objective_remainder_diagonal(struct objective *o, pdyn_part part, double *blocks) {
-    sum_diagonal(o, part, batch_remainder_diagonal, blocks);
+void objective_diagonal_remainder(struct objective *o, pdyn_part part, double *blocks) {
+    sum_diagonal(o, part, batch_diagonal_remainder, blocks);
 }
 
 /* ---- the model along a direction ------------------------------------------------------------- */

@@ -141,11 +141,12 @@ void objective_apply(struct objective *objective, const double *u, double *y);
  * whole H also completes the matrix of rigid bodies, for rigid_matrix_solve. */
 void objective_diagonal(struct objective *objective, pdyn_part part, double *blocks);
 
-/* Both without the matrix-free constraints. u is 0 outside the particles first to before last,
- * which all rows concern; y has no meaning there. */
+/* Both of the remainder: H without the terms k_i grad C_i grad C_i' of one-sided constraints
+ * (rows/one_sided.h). Rows select only particles from first to before last: elsewhere u is 0, and y
+ * has no meaning. */
 void objective_apply_remainder(struct objective *objective, int first, int last, const double *u,
                                double *y);
-void objective_remainder_diagonal(struct objective *objective, pdyn_part part, double *blocks);
+void objective_diagonal_remainder(struct objective *objective, pdyn_part part, double *blocks);
 
 /* The model of E around x as a function of a displacement d, which begins at 0 and moves along one
  * direction after the other. It is quadratic in pieces: one-sided constraints change sides. */

@@ -42,7 +42,7 @@ static void remainder_product(pdyn_model *model, const double *u, double *y) {
 }
 
 static void remainder_diagonal(pdyn_model *model, pdyn_part part, double *blocks) {
-    objective_remainder_diagonal(objective_of(model), part, blocks);
+    objective_diagonal_remainder(objective_of(model), part, blocks);
 }
 
 static void solve_bodies(pdyn_model *model, const double *r, double *z) {

@@ -150,8 +150,8 @@ void batch_diagonal(struct batch *b, double *blocks) {
     else rows_diagonal(b, blocks);
 }
 
-void batch_remainder_diagonal(struct batch *b, double *blocks) {
-    if (b->op) operator_diagonal(b, one_sided_projective_diagonal, blocks);
+void batch_diagonal_remainder(struct batch *b, double *blocks) {
+    if (b->op) operator_diagonal(b, one_sided_diagonal_projective, blocks);
     else batch_diagonal(b, blocks);
 }
 

@@ -169,7 +169,7 @@ void batch_diagonal(struct batch *batch, double *blocks);
 
 /* Products and diagonal without one-sided constraints: the part of H that always acts. */
 void batch_apply_remainder(struct batch *batch, const double *u, double *y);
-void batch_remainder_diagonal(struct batch *batch, double *blocks);
+void batch_diagonal_remainder(struct batch *batch, double *blocks);
 
 /* ---- forces and impacts at the end of a step ------------------------------------------------- */
 

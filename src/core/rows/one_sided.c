@@ -120,7 +120,7 @@ static void add_projective_blocks(void *arg, int first, int last, int block) {
         vec3_add_identity(c->out + 6 * i, c->eps * c->s->at.weight_sum[i]);
 }
 
-void one_sided_projective_diagonal(struct one_sided *s, double eps, double *blocks) {
+void one_sided_diagonal_projective(struct one_sided *s, double eps, double *blocks) {
     if (eps > 0.0)
         for_particles(add_projective_blocks, (struct call){.s = s, .out = blocks, .eps = eps});
 }
@@ -128,7 +128,7 @@ void one_sided_projective_diagonal(struct one_sided *s, double eps, double *bloc
 void one_sided_diagonal(struct one_sided *s, double eps, double *blocks) {
     for_constraints(acting_stiffness, (struct call){.s = s, .eps = eps});
     s->op->diagonal(s->self, s->multiplier, blocks);
-    one_sided_projective_diagonal(s, eps, blocks);
+    one_sided_diagonal_projective(s, eps, blocks);
 }
 
 /* ---- along a direction ----------------------------------------------------------------------- */

@@ -39,7 +39,7 @@ void one_sided_apply(struct one_sided *s, double eps, const double *u, double *y
 void one_sided_diagonal(struct one_sided *s, double eps, double *blocks);
 /* The parts eps D of these two alone. */
 void one_sided_apply_projective(struct one_sided *s, double eps, const double *u, double *y);
-void one_sided_projective_diagonal(struct one_sided *s, double eps, double *blocks);
+void one_sided_diagonal_projective(struct one_sided *s, double eps, double *blocks);
 
 /* Sets the search direction u from d. */
 void one_sided_set_direction(struct one_sided *s, const double *u);
