@@ -285,6 +285,11 @@ static void test_overlap(void **state) {
                                 "'translate': [0, 0.45, 0], 'area_density': 1}}";
     assert_int_equal(fill_beside("", sheet, ""), 900);
     assert_int_equal(fill_beside("'overlap': 'keep',", sheet, ""), 1000);
+    static const char rigid[] = ", {'name': 'rock', 'rigid': {'sphere': {'center': [0.5, 0.5, 0.5],"
+                                " 'radius': 0.25}, 'density': 1}}";
+    assert_int_equal(fill_beside("", rigid, ""), outside_of_ball(0.25));
+    assert_int_equal(fill_beside("'overlap': 'keep',", rigid, ""), -1);
+    assert_error("particles overlap body \"rock\"");
     /* water passes a net */
     assert_int_equal(
         fill_beside("",

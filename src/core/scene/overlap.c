@@ -165,7 +165,8 @@ pdyn_status overlap_resolve(const struct json_at *at, const struct scene *scene,
         status = resolve_solid(at, body, &scene->solid[k]);
     for (int k = 0; k < scene->bodies && status == PDYN_OK && body->start.count; k++) {
         const struct scene_body *other = &scene->body[k];
-        const struct obstacle o = {"body", other->name, other->mesh, !other->tets.count, NULL};
+        bool sheet = other->area_density > 0.0;
+        const struct obstacle o = {"body", other->name, other->mesh, sheet, NULL};
         bool holds_water = other->has_mesh && other->permeability == 0.0;
         if (holds_water) status = resolve_obstacle(at, body, &o);
     }
