@@ -23,9 +23,13 @@ static pdyn_status open_stream(pdyn_context *context, const char *path, int crea
     return PDYN_OK;
 }
 
+/* Removes what lies behind the complete rows. */
+static bool cut_rest(struct csv_file *file) {
+    return !ftruncate(fileno(file->stream), file->size) && !fseek(file->stream, 0, SEEK_END);
+}
+
 static pdyn_status cut(const char *path, struct csv_file *file) {
-    if (!ftruncate(fileno(file->stream), file->size) && !fseek(file->stream, 0, SEEK_END))
-        return PDYN_OK;
+    if (cut_rest(file)) return PDYN_OK;
     return set_error(PDYN_IO_FAILED, "%.1024s: cannot be cut: %s", path, strerror(errno));
 }
 
@@ -50,7 +54,7 @@ pdyn_status csv_append(const char *path, struct csv_file *file, const char *row)
         return PDYN_OK;
     }
     int error = errno;
-    bool whole = !ftruncate(fileno(file->stream), file->size) && !fseek(file->stream, 0, SEEK_END);
+    bool whole = cut_rest(file);
     clearerr(file->stream);
     return set_error(PDYN_IO_FAILED, "%.1024s: writing failed: %s%s", path, strerror(error),
                      whole ? "" : "; the last row is incomplete");

@@ -24,9 +24,13 @@ static void append_number(pdyn_writer *writer, double number) {
     if (isfinite(number)) text_append(writer->row, writer->row_size, "%.9g", number);
 }
 
+static const char *path_of(pdyn_writer *writer, const struct csv_file *file) {
+    return writer_path(writer, "%s", file->name);
+}
+
 static pdyn_status write_row(pdyn_writer *writer, struct csv_file *file) {
     text_append(writer->row, writer->row_size, "\n");
-    pdyn_status status = csv_append(writer_path(writer, "%s", file->name), file, writer->row);
+    pdyn_status status = csv_append(path_of(writer, file), file, writer->row);
     *writer->row = '\0';
     return status;
 }
@@ -122,22 +126,21 @@ size_t metrics_row_size(const pdyn_sim *sim) {
 }
 
 pdyn_status metrics_open(pdyn_writer *writer) {
-    const char *path = writer_path(writer, "%s", writer->metrics.name);
-    pdyn_status status = csv_create(writer->context, path, &writer->metrics);
+    pdyn_status status =
+        csv_create(writer->context, path_of(writer, &writer->metrics), &writer->metrics);
     if (status == PDYN_OK) status = begin_metrics(writer);
     if (status != PDYN_OK) return status;
-    path = writer_path(writer, "%s", writer->probes.name);
+    const char *path = path_of(writer, &writer->probes);
     if (!writer->sim->probes) return previous_run_remove_file(path);
     status = csv_create(writer->context, path, &writer->probes);
     return status == PDYN_OK ? begin_probes(writer) : status;
 }
 
 pdyn_status metrics_reopen(pdyn_writer *writer) {
-    pdyn_status status = csv_reopen(
-        writer->context, writer_path(writer, "%s", writer->metrics.name), &writer->metrics);
+    pdyn_status status =
+        csv_reopen(writer->context, path_of(writer, &writer->metrics), &writer->metrics);
     if (status != PDYN_OK || !writer->sim->probes) return status;
-    return csv_reopen(writer->context, writer_path(writer, "%s", writer->probes.name),
-                      &writer->probes);
+    return csv_reopen(writer->context, path_of(writer, &writer->probes), &writer->probes);
 }
 
 static pdyn_status append_rows(pdyn_writer *writer, const pdyn_step_info *info) {
