@@ -3,6 +3,7 @@
 #include "batch.h"
 
 #include "row_loops.h"
+#include "sph/surface_samples.h"
 
 #include <string.h>
 

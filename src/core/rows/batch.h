@@ -14,7 +14,6 @@
 #include "projdyn/module.h"
 #include "rigid_map.h"
 #include "row_memory.h"
-#include "sph/neighbours.h"
 
 struct touch { /* an entry, in the list of its particle */
     double coefficient;

@@ -2,7 +2,6 @@
 #ifndef PDYN_POSES_H
 #define PDYN_POSES_H
 
-#include "geometry/point_list.h"
 #include "scene.h"
 #include "transform.h"
 

@@ -48,7 +48,7 @@ struct samples_def { /* what samples are made from */
     const struct boundary_model *model;
     const struct kernel_model *kernel;
     double spacing;              /* m, of the fluid's particles */
-    double thickness;            /* m, of sheets */
+    double thickness;            /* m, of sheets and rigid bodies */
     const struct border *border; /* of the surfaces */
 };
 
