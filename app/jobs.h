@@ -26,7 +26,7 @@ struct job {
 };
 
 struct jobs {
-    struct scene_options scene; /* scene file and plug-ins of all jobs */
+    struct scene_options scene; /* of all jobs: the file and plug-ins; its overrides do not count */
     const char *output;
     int processes; /* jobs that run at the same time */
     int threads;   /* worker threads of each job */

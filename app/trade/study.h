@@ -9,7 +9,7 @@
 #include "trials.h"
 
 struct study {
-    struct jobs jobs;    /* scene file without overrides, output directory, processes */
+    struct jobs jobs;    /* scene of the user, output directory, processes */
     double length;       /* length of the time window, s; 0: to be chosen */
     double run_budget_s; /* processor time that one run may take, s */
     struct scope scope;

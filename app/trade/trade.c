@@ -126,8 +126,6 @@ static bool accept_option(void *self, int option) {
         return o->target.write = optarg, true;
     case 'o':
         return o->study.jobs.output = optarg, true;
-    case 'P':
-        return scene_plugin(&o->scene, optarg) && scene_plugin(&o->study.jobs.scene, optarg);
     case 'q':
         return o->study.jobs.quiet = true;
     default:
@@ -159,7 +157,8 @@ static int parse(struct options *o, int argc, char **argv) {
         fprintf(stderr, "projdyn: --write: expected --error or --budget as well\n");
         return EXIT_BAD_INPUT;
     }
-    o->scene.scene = o->study.jobs.scene.scene = argv[optind];
+    o->scene.scene = argv[optind];
+    o->study.jobs.scene = o->scene;
     if (!o->study.jobs.output)
         o->study.jobs.output = o->output = default_output("trade-", argv[optind]);
     return o->study.jobs.output ? -1 : EXIT_FAILED;
@@ -189,7 +188,6 @@ int trade_main(int argc, char **argv) {
     if (code < 0) code = trade(&o.study, &o.target);
     study_free(&o.study);
     scene_options_free(&o.scene);
-    scene_options_free(&o.study.jobs.scene);
     free(o.output);
     return code;
 }
