@@ -11,6 +11,10 @@ static inline bool body_is_particles(const pdyn_body *body) { return body->radiu
  * triangles face outwards. */
 static inline bool body_is_sheet(const pdyn_body *body) { return body->area_density > 0.0; }
 
+/* Whether fluids rest farther from its surface where there is contact: sheets and rigid bodies do,
+ * volumes do not (docs/theory/interface.md#thickness). */
+static inline bool body_is_thick(const pdyn_body *body) { return body->triangles && !body->tets; }
+
 /* Whether particle i of the system belongs to the body. */
 static inline bool body_has(const pdyn_body *body, int i) {
     return i >= body->first && i < body->first + body->count;

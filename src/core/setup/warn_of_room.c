@@ -45,10 +45,10 @@ static pdyn_status find_layer(const struct pdyn_sim *sim, const pdyn_body *fluid
     return PDYN_OK;
 }
 
-/* Whether the body has the thickness of contact for fluids, and reaches into the box of a fluid. */
-static bool is_thick(const struct pdyn_sim *sim, int b, const struct box *water) {
+/* Whether the body keeps a fluid away by its thickness, and reaches into the box of the fluid. */
+static bool presses(const struct pdyn_sim *sim, int b, const struct box *water) {
     const pdyn_body *body = &sim->body[b];
-    if (!sim->scene.body[b].has_mesh || body->tets || body->permeability > 0.0) return false;
+    if (!body_is_thick(body) || body->permeability > 0.0) return false;
     struct box box = extent_of_body(sim, body);
     return box_overlaps(water, &box);
 }
@@ -65,7 +65,7 @@ pdyn_status warn_of_room(struct pdyn_sim *sim, int body) {
     box_grow(&water, spacing);
     for (int b = 0; b < sim->bodies && status == PDYN_OK; b++) {
         struct layer layer = {0};
-        if (is_thick(sim, b, &water))
+        if (presses(sim, b, &water))
             status = find_layer(sim, fluid, &sim->scene.body[b], farther, &layer);
         if (layer.pressed > max_share * layer.count && layer.pressed > worst.pressed) worst = layer;
     }

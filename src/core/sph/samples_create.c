@@ -82,7 +82,7 @@ static void reduce_beside_border(struct surface_samples *s, const struct samples
  * spacing, or 1 / sum W. */
 static pdyn_status set_volumes(struct surface_samples *s, const struct samples_def *def,
                                const pdyn_body *body, int first, int count) {
-    double *volume = s->rest_volume + first, thickness = body->tets ? 0.0 : def->thickness;
+    double *volume = s->rest_volume + first, thickness = body_is_thick(body) ? def->thickness : 0.0;
     double factor = surface_kernel_farther(def->kernel, boundary_farther(thickness, def->spacing));
     if (def->model->volumes)
         return point_volumes(s->context, count, s->x + 3 * (size_t)first, def->kernel,
