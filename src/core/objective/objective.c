@@ -40,10 +40,14 @@ int objective_body_of(const struct objective *o, int particle) {
     return low;
 }
 
-pdyn_status objective_add_batch(struct objective *o, const struct batch_def *def) {
-    pdyn_status status = batch_create(o->context, def, &o->batch[o->batches]);
-    if (status == PDYN_OK) o->batches++;
-    return status;
+pdyn_status objective_add_batch(struct objective *o, const struct batch_def *def,
+                                struct batch **added) {
+    struct batch **last = &o->batch[o->batches];
+    pdyn_status status = batch_create(o->context, def, last);
+    if (status != PDYN_OK) return status;
+    o->batches++;
+    if (added) *added = *last;
+    return PDYN_OK;
 }
 
 /* Counts as work: one pass over all rows, and `one_sided` passes over all one-sided constraints. */

@@ -90,8 +90,10 @@ static inline struct batch_step objective_step(const struct objective *o) {
     return (struct batch_step){o->length, o->extrapolation, o->h, o->time};
 }
 
-/* Makes a batch, the last one of the objective, which has the capacity for it. */
-pdyn_status objective_add_batch(struct objective *objective, const struct batch_def *def);
+/* Makes a batch, the last one of the objective, which has the capacity for it. added: may be NULL.
+ */
+pdyn_status objective_add_batch(struct objective *objective, const struct batch_def *def,
+                                struct batch **added);
 
 /* Begins a step of effective length h: updates elements that come and go from step to step, rest
  * shapes of dampers, and weights. */

@@ -6,29 +6,30 @@
 #include "step/sim.h"
 
 static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_body *body,
-                             const struct scene_constraint *c) {
+                             const struct scene_constraint *c, struct batch **added) {
     const pdyn_neighbours *lists = objective_lists(&sim->objective);
     const struct batch_def def = {c->type, c->params, body, lists, &sim->services};
-    return objective_add_batch(&sim->objective, &def);
+    return objective_add_batch(&sim->objective, &def, added);
 }
 
 static pdyn_status add_constraint(struct pdyn_sim *sim, const pdyn_body *body,
                                   const struct scene_constraint *c) {
     struct objective *objective = &sim->objective;
-    pdyn_status status = add_batch(sim, body, c);
+    struct batch *added;
+    pdyn_status status = add_batch(sim, body, c, &added);
     if (status != PDYN_OK) return status;
     sim->constraint[sim->constraints++] = c;
-    if (c->type->matrix_free)
-        objective->batch[objective->batches - 1]->samples = objective->samples;
+    if (c->type->matrix_free) added->samples = objective->samples;
     objective->dynamic |= c->type->matrix_free || c->type->update;
-    return batch_join_rows(objective->batch[objective->batches - 1]);
+    return batch_join_rows(added);
 }
 
 static pdyn_status add_damper(struct pdyn_sim *sim, const pdyn_body *body,
                               const struct scene_constraint *c) {
     if (!c->type->damping || c->type->damping(c->params) == 0.0) return PDYN_OK;
-    pdyn_status status = add_batch(sim, body, c);
-    if (status == PDYN_OK) batch_make_damper(sim->objective.batch[sim->objective.batches - 1]);
+    struct batch *added;
+    pdyn_status status = add_batch(sim, body, c, &added);
+    if (status == PDYN_OK) batch_make_damper(added);
     return status;
 }
 
@@ -44,15 +45,12 @@ static pdyn_status add_each(struct pdyn_sim *sim, add_fn *add) {
     return status;
 }
 
-/* Adds a batch for another key of the scene than a constraint; its rows come and go. out: may be
- * NULL. */
+/* Adds a batch for another key of the scene than a constraint; its rows come and go. added: may
+ * be NULL. */
 static pdyn_status add_own(struct objective *objective, const pdyn_constraint_type *type,
-                           const pdyn_body *body, struct batch **out) {
+                           const pdyn_body *body, struct batch **added) {
     objective->dynamic = true;
-    pdyn_status status =
-        objective_add_batch(objective, &(struct batch_def){.type = type, .body = body});
-    if (status == PDYN_OK && out) *out = objective->batch[objective->batches - 1];
-    return status;
+    return objective_add_batch(objective, &(struct batch_def){.type = type, .body = body}, added);
 }
 
 /* Friction of a fluid along surfaces, and the resistance of those that it passes. */

@@ -124,7 +124,7 @@ static pdyn_status make_batch(struct pdyn_sim *sim, size_t *first) {
     for (; *first < c->holds && body_of(sim, c->hold[*first].particle) == body; ++*first)
         group->count++;
     const struct batch_def def = {&held, group, body, lists, &sim->services};
-    pdyn_status status = objective_add_batch(&sim->objective, &def);
+    pdyn_status status = objective_add_batch(&sim->objective, &def, NULL);
     if (status == PDYN_OK) c->batches++;
     return status;
 }

@@ -6,7 +6,6 @@
 #include "scene/poses.h"
 #include "sim.h"
 #include "solid_points.h"
-#include "sph/boundary.h"
 
 #include "projdyn/control.h"
 #include "projdyn/vec3.h"
@@ -37,12 +36,11 @@ static bool needs_layer(const struct scene *scene) {
 static pdyn_status add_point(struct pdyn_sim *sim, int i, bool layer) {
     struct kinematic_solids *moving = &sim->kinematic;
     const struct boundary_point *point = &sim->boundary.point[i];
-    double outside = boundary_outside(sim->scene.settings.boundary, sim->scene.settings.kernel);
-    double at[3];
+    double at[3], layer_distance = sim_behind_faces(sim) + 0.5 * sim_spacing(sim);
     memcpy(at, sim->boundary.at.x + 3 * (size_t)i, sizeof at);
     pdyn_status status = point_list_add(sim->context, &moving->rest, at);
     if (!layer) return status;
-    if (point->of_box) vec3_add(at, (outside + 0.5) * sim_spacing(sim), point->normal);
+    if (point->of_box) vec3_add(at, layer_distance, point->normal);
     if (status == PDYN_OK) status = point_list_add(sim->context, &moving->rest_layer, at);
     return status == PDYN_OK ? point_list_add(sim->context, &moving->layer, at) : status;
 }

@@ -111,8 +111,9 @@ void rigid_bodies_predict(struct pdyn_sim *sim) {
     if (map) pool_for(sim->context->pool, map->bodies, RIGID_GRAIN, predict_bodies, sim);
 }
 
-/* h_e T, from the inertial forces m (x - s) / h_e^2 of the points, which balance those of
- * constraints. The part of them without moment is the same in x and s. */
+/* L += h_e T, with the moment T about the centre of the forces of constraints. At the end of a step
+ * they equal the inertial forces m (x - s) / h_e^2 of the points, m: the body's mass over their
+ * number. */
 static void add_impulse(const struct pdyn_sim *sim, const struct rigid_body *body, double L[3]) {
     double c[3], moment[3] = {0}, h_e = sim->objective.h;
     rigid_body_centre(body, sim->x_next, c);

@@ -18,6 +18,7 @@
 #include "scene/scene.h"
 #include "solid_load.h"
 #include "solver_choice.h"
+#include "sph/boundary.h"
 #include "sph/neighbours.h"
 #include "walls.h"
 
@@ -128,6 +129,12 @@ static inline double sim_spacing(const struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++)
         if (has_neighbour_lists(sim, b)) return 2.0 * sim->body[b].radius;
     return 0.0;
+}
+
+/* Distance of boundary points behind the faces of their box, m. */
+static inline double sim_behind_faces(const struct pdyn_sim *sim) {
+    const struct scene_settings *settings = &sim->scene.settings;
+    return boundary_outside(settings->boundary, settings->kernel) * sim_spacing(sim);
 }
 
 static inline bool sim_has_constraint(const struct pdyn_sim *sim, int constraint) {

@@ -5,7 +5,6 @@
 #include "contact/contact.h"
 #include "forces.h"
 #include "sim.h"
-#include "sph/boundary.h"
 
 #include "projdyn/vec3.h"
 
@@ -42,13 +41,13 @@ static void add_operator(const struct pdyn_sim *sim, struct batch *b) {
  * in the first layer, half a spacing before the face. */
 static void find_face(const struct pdyn_sim *sim, int k, double offset[3]) {
     const struct kinematic_solids *moving = &sim->kinematic;
-    double outside = boundary_outside(sim->scene.settings.boundary, sim->scene.settings.kernel);
+    double behind = sim_behind_faces(sim), layer = behind + 0.5 * sim_spacing(sim);
     int m = k - kinematic_first_point(sim);
     memset(offset, 0, 3 * sizeof *offset);
-    if (m < 0) vec3_add(offset, outside * sim_spacing(sim), sim->boundary.point[k].normal);
+    if (m < 0) vec3_add(offset, behind, sim->boundary.point[k].normal);
     if (m < 0 || m >= moving->layer.count) return;
     vec3_subtract(offset, moving->layer.x + 3 * (size_t)m, sim->boundary.at.x + 3 * (size_t)k);
-    for (int a = 0; a < 3; a++) offset[a] *= outside / (outside + 0.5);
+    for (int a = 0; a < 3; a++) offset[a] *= behind / layer;
 }
 
 /* The forces of rows are those of shear and act on the faces of a box: adds the moments that forces

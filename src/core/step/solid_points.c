@@ -14,9 +14,9 @@
 static pdyn_status sample_shape(struct pdyn_sim *sim, const struct scene_solid *solid) {
     const struct boundary_model *model = sim->scene.settings.boundary;
     const struct kernel_model *kernel = sim->scene.settings.kernel;
-    double spacing = sim_spacing(sim), outside = boundary_outside(model, kernel);
+    double spacing = sim_spacing(sim);
     double beyond = model->volumes ? model->outside : kernel->beyond;
-    const struct face_grid grid = {solid->open, model->grid * spacing, outside * spacing,
+    const struct face_grid grid = {solid->open, model->grid * spacing, sim_behind_faces(sim),
                                    beyond * spacing};
     if (solid->is_vessel)
         return sample_box_surface(sim->context, solid->name, &solid->box, &grid, &sim->boundary);
@@ -48,8 +48,7 @@ pdyn_status solid_points_sample(struct pdyn_sim *sim) {
 }
 
 void solid_points_find_faces(struct pdyn_sim *sim, int first, int count, const double *at) {
-    const struct scene_settings *settings = &sim->scene.settings;
-    double behind = boundary_outside(settings->boundary, settings->kernel) * sim_spacing(sim);
+    double behind = sim_behind_faces(sim);
     double *face = sim->face_x + 3 * (size_t)first;
     for (int k = 0; k < count; k++, at += 3, face += 3) {
         const struct boundary_point *point = &sim->boundary.point[first + k];

@@ -10,7 +10,6 @@
 #include "sph/surface_samples.h"
 #include "warn_of_step.h"
 
-#include "projdyn/kernel.h"
 #include "projdyn/vec3.h"
 
 /* Relative density error of a particle that counts, in this step and in the one before. Between
@@ -58,8 +57,7 @@ static struct around look_around(const struct pdyn_sim *sim, int i) {
     const pdyn_neighbours *lists = objective_lists(&sim->objective);
     const struct surface_samples *samples = sim->objective.samples;
     const double *x = sim->x + 3 * (size_t)i;
-    double behind = sim_spacing(sim) *
-                    boundary_outside(sim->scene.settings.boundary, sim->scene.settings.kernel);
+    double behind = sim_behind_faces(sim);
     struct around around = {0};
     for (int m = lists->surface_start[i]; m < lists->boundary_start[i]; m++) {
         int sample = lists->index[m] - sim->objective.particles;
