@@ -20,9 +20,11 @@ void warn_of_memory(struct pdyn_sim *sim);
 void warn_of_thickness(struct pdyn_sim *sim);
 /* Raises warnings about values that are legal but surely not meant. */
 pdyn_status warn_of_scene(struct pdyn_sim *sim);
-/* The same about meshes, about inlets, outlets and times, about values in a wrong unit or with a
- * wrong sign, about surfaces in a fluid, and about solids with many boundary points: parts of it.
+/* The same about one body, about meshes, about inlets, outlets and times, about values in a wrong
+ * unit or with a wrong sign, about surfaces in a fluid, and about solids with many boundary points:
+ * parts of it.
  */
+pdyn_status warn_of_body(struct pdyn_sim *sim, int body);
 void warn_of_meshes(struct pdyn_sim *sim);
 pdyn_status warn_of_flow(struct pdyn_sim *sim);
 void warn_of_values(struct pdyn_sim *sim);
