@@ -99,6 +99,14 @@ static int check_scene(const struct check_options *check) {
     return code;
 }
 
+/* The check of plug-ins writes scenes of its own. */
+static int refuse_scene(const struct check_options *check, const char *scene) {
+    if (!scene && !check->scene.sets && !check->strict) return -1;
+    fprintf(stderr, "projdyn: --conformance: expected no scene file, --set or --strict: it checks "
+                    "the types of a plug-in with the defaults of their parameters\n");
+    return EXIT_BAD_INPUT;
+}
+
 int check_main(int argc, char **argv) {
     static const struct option long_options[] = {SCENE_OPTIONS,
                                                  {"conformance", required_argument, NULL, 'c'},
@@ -107,9 +115,8 @@ int check_main(int argc, char **argv) {
                                                  {0}};
     struct check_options check = {0};
     int code = parse_options(argc, argv, "h", long_options, usage, accept_option, &check);
-    if (code < 0 && argc - optind != !check.conformance)
-        code = report_usage(
-            argv, check.conformance ? "no scene file with --conformance" : "one scene file", usage);
+    if (code < 0 && check.conformance) code = refuse_scene(&check, argv[optind]);
+    else if (code < 0 && argc - optind != 1) code = report_usage(argv, "one scene file", usage);
     check.scene.scene = argv[optind];
     if (code < 0)
         code = check.conformance ? check_plugins_in_child(&check.scene) : check_scene(&check);

@@ -536,7 +536,73 @@ static void test_switches(void **state) {
     t.params = switches[0], t.params_size = sizeof(struct switched);
     t.project = project_if_on, t.tangent = tangent_if_on, wrong_expect(t, NULL);
     t = good, t.params = switches[1], t.params_size = sizeof(struct switched);
-    t.project = project_askew_if_on, wrong_expect(t, ", true and false exchanged): ");
+    t.project = project_askew_if_on, wrong_expect(t, ", not the default of \"askew\"): ");
+}
+
+struct exclusive {
+    struct params common;
+    bool one, other;
+};
+
+static const pdyn_param exclusive_params[] = {
+    {"stiffness", PDYN_REAL, 0, false, 100, 0, 1e6, "N/m", "of each edge"},
+    {"one", PDYN_BOOL, offsetof(struct exclusive, one), false, 0, 0, 0, "", "not with the other"},
+    {"other", PDYN_BOOL, offsetof(struct exclusive, other), false, 0, 0, 0, "", "not with one"},
+    {0}};
+
+static pdyn_param_fault resolve_exclusive(void *par, const pdyn_scene_info *scene) {
+    const struct exclusive *q = par;
+    (void)scene;
+    return (pdyn_param_fault){q->one && q->other ? "is not for both" : NULL, "other"};
+}
+
+static pdyn_param_fault resolve_nothing(void *par, const pdyn_scene_info *scene) {
+    (void)par, (void)scene;
+    return (pdyn_param_fault){"is never right", "other"};
+}
+
+static void project_askew_if_other(const void *par, const pdyn_batch *b, int first, int last) {
+    (((const struct exclusive *)par)->other ? project_askew : project)(par, b, first, last);
+}
+
+/* Parameters that a type refuses together are checked one by one. */
+static void test_exclusive(void **state) {
+    (void)state;
+    pdyn_constraint_type t = good;
+    t.params = exclusive_params, t.params_size = sizeof(struct exclusive);
+    t.resolve = resolve_exclusive, wrong_expect(t, NULL);
+    t.project = project_askew_if_other, wrong_expect(t, "(surface, not the default of \"other\")");
+    t.resolve = resolve_nothing, wrong_expect(t, "is never right");
+}
+
+struct posed {
+    struct params common;
+    pdyn_table pose;
+};
+
+static const pdyn_param posed_params[] = {
+    {"stiffness", PDYN_REAL, 0, false, 100, 0, 1e6, "N/m", "of each edge"},
+    {"pose", PDYN_TABLE(PDYN_ROWS, 3), offsetof(struct posed, pose), true, 0, -1e3, 1e3, "m",
+     "positions of all vertices, any number of times"},
+    {0}};
+
+static pdyn_param_fault resolve_pose(void *par, const pdyn_scene_info *scene) {
+    bool whole = ((const struct posed *)par)->pose.count % scene->vertices == 0;
+    return (pdyn_param_fault){whole ? NULL : "has not the same rows for each vertex", "pose"};
+}
+
+static void project_askew_if_posed(const void *par, const pdyn_batch *b, int first, int last) {
+    bool twice = ((const struct posed *)par)->pose.count == 2 * b->body->count;
+    (twice ? project_askew : project)(par, b, first, last);
+}
+
+/* A type that compares the rows of a table with the vertices of its body. */
+static void test_many_rows(void **state) {
+    (void)state;
+    pdyn_constraint_type t = good;
+    t.params = posed_params, t.params_size = sizeof(struct posed);
+    t.resolve = resolve_pose, wrong_expect(t, NULL);
+    t.project = project_askew_if_posed, wrong_expect(t, "(surface, two rows per vertex)");
 }
 
 static void damping_rest_nothing(const void *par, const pdyn_batch *b, int first, int last) {
@@ -688,6 +754,8 @@ int main(void) {
         cmocka_unit_test(test_energy),
         cmocka_unit_test(test_numeric_tangent),
         cmocka_unit_test(test_switches),
+        cmocka_unit_test(test_exclusive),
+        cmocka_unit_test(test_many_rows),
         cmocka_unit_test(test_mathematics),
         cmocka_unit_test(test_solvers),
     };

@@ -110,6 +110,7 @@ typedef struct pdyn_scene_info {
     double size;     /* m, edge of a cube with the volume of the particles of all bodies at their
                         start; 0 for a surface */
     double step;     /* s, the length of the longest step, time_step.maximum or fixed */
+    int vertices, triangles, tets; /* of the body; 0 for a body of particles */
 } pdyn_scene_info;
 
 typedef struct pdyn_param_fault {

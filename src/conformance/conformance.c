@@ -33,7 +33,7 @@ static void check_type_on(struct check *check) {
     }
     check->strain = acting;
     if (check->faults) return;
-    if (check->switched && !check->active) return; /* a parameter may switch the type off */
+    if (check->form.exchanged && !check->active) return; /* a parameter may switch the type off */
     if (!check->found)
         fault(check, "not exercised: update gives no element in any trial; trials have no contacts "
                      "and no wet sides");
@@ -58,6 +58,28 @@ static bool has_vertices(struct check *check) {
     return true;
 }
 
+/* Whether the number of rows of a required table is that of its form. */
+static bool has_free_rows(const struct check *check) {
+    for (const pdyn_param *p = check->type->params; p->name && check->kind != PARTICLES; p++)
+        if (param_is_table(p) && p->required && !param_vertices(p) && !param_rows(p, 1, 1, 1))
+            return true;
+    return false;
+}
+
+/* Checks the type with all forms of its parameters; a scene may refuse some of them. */
+static void check_forms(struct check *check) {
+    int bools = type_bools(check->type), forms = bools > 1 ? bools + 2 : bools + 1, accepted = 0;
+    for (int many = 0; many <= has_free_rows(check); many++)
+        for (int k = 0; k < forms && !check->faults; k++) {
+            check->form = (struct form){k, many};
+            if (trial_is_refused(check)) continue;
+            accepted++;
+            check_type_on(check);
+        }
+    check->form = (struct form){0};
+    if (!accepted) check_type_on(check); /* which says why */
+}
+
 static void check_type(struct check *check) {
     static const unsigned excludes[BODY_KINDS] = {[SURFACE] = PDYN_ON_PARTICLES | PDYN_ON_VOLUME |
                                                               PDYN_ON_CLOSED,
@@ -67,10 +89,7 @@ static void check_type(struct check *check) {
         check->kind = (enum body_kind)kind;
         if (check->type->flags & excludes[kind]) continue;
         if (kind == PARTICLES && !has_vertices(check)) continue;
-        for (int k = 0; k <= type_has_kind(check->type, PDYN_BOOL) && !check->faults; k++) {
-            check->switched = k;
-            check_type_on(check);
-        }
+        check_forms(check);
     }
 }
 

@@ -15,13 +15,20 @@ enum strain { COMPRESSED, STRETCHED, SHEARED, CRUMPLED, STRAINS };
 
 enum body_kind { SURFACE, PARTICLES, VOLUME, BODY_KINDS };
 
+/* What the scene of a trial gives to the parameters of the type. */
+struct form {
+    int exchanged;  /* 0: parameters that are true or false have their defaults; k: the k-th of them
+                       has not; one above their number: none has */
+    bool many_rows; /* tables of PDYN_ROWS have two rows for each vertex, not one */
+};
+
 struct check {                /* the checks of one constraint type or one solver */
     const pdyn_context *like; /* the trials have its types and allocator */
     const pdyn_constraint_type *type;
     const pdyn_global_solver *solver;
     enum body_kind kind; /* of the trial's body */
     enum strain strain;  /* of the trial's body */
-    bool switched;       /* parameters that are true or false differ from their defaults */
+    struct form form;    /* of the trial's parameters */
     int found;           /* elements of all trials */
     int active;          /* elements that pulled in some trial: u differed from p */
     void (*tell)(void *user, const char *text);
@@ -50,11 +57,22 @@ pdyn_context *trial_context(const pdyn_context *like, int threads);
 
 enum trial_size { SMALL, LARGE, SIZES }; /* LARGE: parallel loops have several blocks */
 
-enum { TRIAL_TEXT = 1 << 16 }; /* size of the text of a scene */
-/* Writes a scene: one body of check->kind and this size with one constraint of this type; "solver":
- * the given type and step ("newton" or "projective"). */
-void trial_scene(char text[TRIAL_TEXT], const struct check *check, const pdyn_constraint_type *type,
-                 enum trial_size size, const char *solver, const char *step);
+/* A scene: one body of check->kind and this size with one constraint of this type; "solver": the
+ * given type and step ("newton" or "projective"). */
+struct trial_scene {
+    const struct check *check;
+    const pdyn_constraint_type *type;
+    enum trial_size size;
+    const char *solver, *step;
+};
+/* Loads it. */
+pdyn_status trial_load(pdyn_context *context, const struct trial_scene *scene, pdyn_sim **out);
+/* Whether a parameter of the type, which is true or false, has not its default in the check's form.
+ */
+bool trial_exchanges(const struct check *check, const pdyn_constraint_type *type,
+                     const pdyn_param *param);
+/* Whether the parameters of the check's form are refused, by a rule of the type or of the scene. */
+bool trial_is_refused(const struct check *check);
 
 /* Gives each part of a body other numbers in the tables of its constraints, so that a wrong row
  * shows. */

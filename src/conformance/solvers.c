@@ -88,11 +88,11 @@ static void shake(pdyn_sim *sim) {
 }
 
 /* Takes STEPS steps; *hash: of the final state. false, with a fault, if a step failed. */
-static bool run(struct check *check, const char *scene, int threads, uint64_t *hash) {
+static bool run(struct check *check, const struct trial_scene *scene, int threads, uint64_t *hash) {
     pdyn_context *context = trial_context(check->like, threads);
     pdyn_sim *sim = NULL;
     if (!context) return false;
-    pdyn_status status = pdyn_load_text(context, scene, "a scene", NULL, 0, &sim);
+    pdyn_status status = trial_load(context, scene, &sim);
     if (status == PDYN_OK) status = trial_vary_tables(sim);
     if (status == PDYN_OK) shake(sim);
     for (int k = 0; k < STEPS && status == PDYN_OK; k++) status = pdyn_step(sim, NULL);
@@ -110,11 +110,10 @@ static void step(struct check *check, const pdyn_constraint_type *type, enum tri
                  const char *solver, const char *kind) {
     static const int threads[] = {3, 2, 8}; /* a LARGE scene: 3 only */
     uint64_t one, more;
-    char scene[TRIAL_TEXT];
-    trial_scene(scene, check, type, size, solver, kind);
-    if (!run(check, scene, 1, &one)) return;
+    const struct trial_scene scene = {check, type, size, solver, kind};
+    if (!run(check, &scene, 1, &one)) return;
     for (int n = 0; n < (size == LARGE ? 1 : 3); n++) {
-        if (!run(check, scene, threads[n], &more)) return;
+        if (!run(check, &scene, threads[n], &more)) return;
         if (more == one) continue;
         fault(check,
               "not deterministic: %d threads give other bits than 1 (%s, %s step); callbacks may "

@@ -1,5 +1,4 @@
-/* The scenes on which types and solvers are checked: written from a type's parameter table, loaded,
- * and set to a random state near rest. */
+/* Trials: scenes on which types and solvers are checked, at a random state near rest. */
 #include "conformance.h"
 
 #include "base/param_kind.h"
@@ -11,18 +10,26 @@
 #include <stdio.h>
 #include <string.h>
 
-void fault(struct check *check, const char *format, ...) {
+/* Writes the body and the parameters of a trial, as " (surface, not the default of "one")". */
+static void describe(const struct check *check, char *text, size_t size) {
     static const char *const bodies[] = {"surface", "particles", "volume"};
-    char what[768], text[1024];
+    text_append(text, size, " (%s%s", bodies[check->kind],
+                check->form.exchanged ? ", not the default of" : "");
+    for (const pdyn_param *p = check->type->params; p->name; p++)
+        if (p->kind == PDYN_BOOL && trial_exchanges(check, check->type, p))
+            text_append(text, size, " \"%s\"", p->name);
+    text_append(text, size, "%s)", check->form.many_rows ? ", two rows per vertex" : "");
+}
+
+void fault(struct check *check, const char *format, ...) {
+    char what[768], text[1024], trial[128] = "";
     va_list args;
     va_start(args, format);
     vsnprintf(what, sizeof what, format, args);
     va_end(args);
     const char *name = check->type ? check->type->name : check->solver->name;
-    if (check->type)
-        snprintf(text, sizeof text, "%s (%s%s): %s", name, bodies[check->kind],
-                 check->switched ? ", true and false exchanged" : "", what);
-    else snprintf(text, sizeof text, "%s: %s", name, what);
+    if (check->type) describe(check, trial, sizeof trial);
+    snprintf(text, sizeof text, "%s%s: %s", name, trial, what);
     check->faults++;
     if (check->tell) check->tell(check->user, text);
 }
@@ -48,131 +55,6 @@ double trial_distance(const double *a, const double *b, int n) {
 
 bool trial_differ(const double *a, const double *b, int n, double tolerance) {
     return !(trial_distance(a, b, n) <= tolerance * trial_norm(b, n));
-}
-
-/* ---- the text of a scene --------------------------------------------------------------------- */
-
-/* A required parameter gets 10 clamped to its bounds, others their default. */
-static double value_for(const pdyn_param *p) {
-    return p->required ? fmin(p->max, fmax(p->min, 10.0)) : p->def;
-}
-
-/* By parameter kind; arguments: the name, then three times the value. */
-static const char *const format_of[] = {[PDYN_REAL] = ", \"%s\": %.17g",
-                                        [PDYN_INT] = ", \"%s\": %.0f",
-                                        [PDYN_VECTOR] = ", \"%s\": [%.17g, %.17g, %.17g]",
-                                        [PDYN_VERTICES] = ", \"%s\": {\"vertices\": [0, 4]}",
-                                        [PDYN_PATH] = ", \"%s\": [[0, 0, 0, 0], [1, 0.1, 0, 0]]",
-                                        [PDYN_OTHER] = ", \"%s\": \"other\""};
-
-/* The vertex in a column of a row: those of the first cell of the grid, which span it, then further
- * ones, moved along x from row to row. Rows of one vertex go around the cell as a closed curve. */
-static int vertex_for(const pdyn_param *p, enum body_kind kind, enum trial_size size, int row,
-                      int column) {
-    static const int cell[BODY_KINDS][SIZES][4] = {
-        [SURFACE] = {{0, 1, 5, 6}, {0, 1, 46, 47}},
-        [VOLUME] = {{0, 1, 3, 6}, {0, 1, 11, 121}}}; /* beside each other along x, y, z */
-    static const int around[4] = {0, 1, 3, 2};
-    const int *corner = cell[kind][size];
-    if (param_vertices(p) == 1) return corner[around[row]];
-    return row + (column < 4 ? corner[column] : corner[3] + column);
-}
-
-static void write_row(char *text, size_t size, const pdyn_param *p, enum body_kind kind,
-                      enum trial_size trial, int row) {
-    const char *before = param_width(p) > 1 ? "[" : "";
-    for (int k = 0; k < param_width(p); k++, before = ", ")
-        text_append(text, size, "%s%.17g", before,
-                    k < param_vertices(p) ? vertex_for(p, kind, trial, row, k) : value_for(p));
-    if (param_width(p) > 1) text_append(text, size, "]");
-}
-
-/* Writes a required table: one row for all parts of the body, or two rows with vertices, four if
- * they have one vertex each. */
-static void write_table(char *text, size_t size, const pdyn_param *p, enum body_kind kind,
-                        enum trial_size trial) {
-    bool listed = param_vertices(p) && !param_rows(p, 1, 1, 1);
-    int rows = !listed ? 1 : param_vertices(p) == 1 ? 4 : 2;
-    text_append(text, size, ", \"%s\": %s", p->name, listed ? "[" : "");
-    for (int row = 0; row < rows; row++) {
-        if (row) text_append(text, size, ", ");
-        write_row(text, size, p, kind, trial, row);
-    }
-    if (listed) text_append(text, size, "]");
-}
-
-/* Writes the required parameters, those that are true or false, and real ones whose default lies
- * within the bounds (others have no default). */
-static void write_params(char *text, size_t size, const struct check *check,
-                         const pdyn_constraint_type *type, enum trial_size trial) {
-    for (const pdyn_param *p = type->params; p->name; p++) {
-        bool given = p->required || (p->kind == PDYN_REAL && isfinite(p->def) && p->def >= p->min &&
-                                     p->def <= p->max);
-        size_t length = strlen(text);
-        double value = value_for(p);
-        bool usual = p->required || p->def != 0.0; /* of one that is true or false */
-        if (given && param_is_table(p)) write_table(text, size, p, check->kind, trial);
-        else if (p->kind == PDYN_BOOL)
-            text_append(text, size, ", \"%s\": %s", p->name,
-                        usual != check->switched ? "true" : "false");
-        else if (given)
-            snprintf(text + length, size - length, format_of[p->kind], p->name, value, value,
-                     value);
-    }
-}
-
-#define SHEET(vertices)                                                                            \
-    "\"surface\": {\"grid\": {\"size\": [0.4, 0.5], \"vertices\": " vertices "},"                  \
-    " \"rotate\": [20, 30, 10], \"area_density\": 0.3}"
-/* The first body, so that the first particle of the checked one is not that of the system. OTHER:
- * with a surface, for types with a PDYN_OTHER parameter or on neighbour lists; DROPS: for other
- * types on particles. */
-#define OTHER                                                                                      \
-    "{\"name\": \"other\", \"surface\": {\"grid\": {\"size\": [0.4, 0.5], \"vertices\": [4, 3]},"  \
-    " \"rotate\": [20, 30, 10], \"translate\": [0, 0.3, 0], \"area_density\": 0.3}}"
-#define DROPS(radius)                                                                              \
-    "{\"name\": \"other\", \"particles\": {\"radius\": " radius ", \"fill\": [{\"box\": {"         \
-    "\"minimum\": [2, 0, 0], \"maximum\": [2.31, 0.21, 0.21]}}]}}"
-#define WATER(radius)                                                                              \
-    "\"particles\": {\"radius\": " radius ", \"fill\": [{\"box\": {\"minimum\": [0, 0, 0],"        \
-    " \"maximum\": [0.41, 0.31, 0.31]}}]}"
-
-/* Beside the checked body, with the same constraint: bodies on the same neighbour lists. */
-#define BESIDE(radius)                                                                             \
-    ", {\"name\": \"beside\", \"particles\": {\"radius\": " radius ", \"rest_density\": 500,"      \
-    " \"fill\": [{\"box\": {\"minimum\": [0.4, 0, 0], \"maximum\": [0.61, 0.31, 0.31]}}]},"        \
-    " \"constraints\": [{\"type\": \"%s\"%s}]}"
-
-#define BLOCK(cells)                                                                               \
-    "\"volume\": {\"grid\": {\"size\": [0.4, 0.2, 0.3], \"cells\": " cells "},"                    \
-    " \"rotate\": [20, 30, 10], \"density\": 300}"
-
-static bool needs_other(const pdyn_constraint_type *type) {
-    return type->flags & PDYN_NEIGHBOURS /* a sheet through its particles */
-           || type_ties_to_other(type);
-}
-
-void trial_scene(char text[TRIAL_TEXT], const struct check *check, const pdyn_constraint_type *type,
-                 enum trial_size size, const char *solver, const char *step) {
-    static const char *const bodies[BODY_KINDS][SIZES] = {
-        [SURFACE] = {SHEET("[5, 6]"), SHEET("[46, 46]")},
-        [PARTICLES] = {WATER("0.05"), WATER("0.0125")},
-        [VOLUME] = {BLOCK("[2, 1, 2]"), BLOCK("[10, 10, 10]")}};
-    static const char *const drops[SIZES] = {DROPS("0.05"), DROPS("0.0125")};
-    static const char *const effort[SIZES] = {
-        "\"linear_tolerance\": 1e-12, \"tolerance\": 1e-6, \"linear_iterations\": 100000",
-        "\"linear_iterations\": 20, \"outer_iterations\": 2"};
-    static const char *const besides[SIZES] = {BESIDE("0.05"), BESIDE("0.0125")};
-    enum body_kind kind = check->kind;
-    const char *first = kind == PARTICLES && !needs_other(type) ? drops[size] : OTHER;
-    char params[TRIAL_TEXT / 4] = "", beside[TRIAL_TEXT / 3] = "";
-    write_params(params, sizeof params, check, type, size);
-    if (type->matrix_free) snprintf(beside, sizeof beside, besides[size], type->name, params);
-    snprintf(text, TRIAL_TEXT,
-             "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.004,"
-             " \"solver\": {\"type\": \"%s\", \"step\": \"%s\", %s},"
-             " \"bodies\": [%s, {\"name\": \"b\", %s, \"constraints\": [{\"type\": \"%s\"%s}]}%s]}",
-             solver, step, effort[size], first, bodies[kind][size], type->name, params, beside);
 }
 
 /* ---- trials ---------------------------------------------------------------------------------- */
@@ -255,8 +137,7 @@ pdyn_status trial_vary_tables(pdyn_sim *sim) {
     for (int k = 0; k < sim->constraints; k++) {
         const pdyn_constraint_type *type = sim->objective.batch[k]->type;
         for (const pdyn_param *p = type->params; p->name && status == PDYN_OK; p++)
-            if (param_is_table(p) && param_rows(p, 1, 1, 1) && !param_vertices(p) &&
-                param_is_changeable(type, p))
+            if (param_is_table(p) && !param_vertices(p) && param_is_changeable(type, p))
                 status = vary_table(sim, k, p);
     }
     return status;
@@ -276,9 +157,10 @@ static pdyn_status scale_numbers(pdyn_sim *sim, int constraint) {
     return status;
 }
 
-static pdyn_status load(struct trial *t, enum strain strain, const char *scene) {
+static pdyn_status load(struct trial *t, const struct trial_scene *scene) {
     pdyn_context *c = t->context;
-    pdyn_status status = pdyn_load_text(c, scene, "a scene for this type", NULL, 0, &t->sim);
+    enum strain strain = scene->check->strain;
+    pdyn_status status = trial_load(c, scene, &t->sim);
     if (status == PDYN_OK) status = trial_vary_tables(t->sim);
     for (int k = 0; status == PDYN_OK && strain == SHEARED && k < t->sim->constraints; k++)
         status = scale_numbers(t->sim, k);
@@ -308,11 +190,10 @@ static void release(struct trial *t) {
 
 bool trial_start(struct trial *t, struct check *check, const pdyn_constraint_type *type,
                  const char *solver) {
-    char scene[TRIAL_TEXT];
+    const struct trial_scene scene = {check, type, SMALL, solver, "newton"};
     *t = (struct trial){.context = trial_context(check->like, 1)};
     if (!t->context) return false;
-    trial_scene(scene, check, type, SMALL, solver, "newton");
-    pdyn_status status = load(t, check->strain, scene);
+    pdyn_status status = load(t, &scene);
     if (status == PDYN_OK) return true;
     fault(check, "%s", pdyn_last_error(t->context));
     release(t);

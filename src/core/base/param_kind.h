@@ -40,6 +40,13 @@ static inline bool type_has_kind(const pdyn_constraint_type *type, pdyn_param_ki
     return p->name;
 }
 
+/* The parameters of a type that are true or false. */
+static inline int type_bools(const pdyn_constraint_type *type) {
+    int count = 0;
+    for (const pdyn_param *p = type->params; p->name; p++) count += p->kind == PDYN_BOOL;
+    return count;
+}
+
 /* Whether constraints of a type act between their body and another one. */
 static inline bool type_ties_to_other(const pdyn_constraint_type *type) {
     return type_has_kind(type, PDYN_OTHER);

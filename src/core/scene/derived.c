@@ -20,7 +20,10 @@ static pdyn_scene_info describe(const struct scene *scene, const struct scene_bo
                             .head = scene_head(scene, body),
                             .kernel = settings->kernel,
                             .size = 2.0 * body->radius * cbrt(count_particles(scene)),
-                            .step = settings->h_fixed > 0.0 ? settings->h_fixed : settings->h_max};
+                            .step = settings->h_fixed > 0.0 ? settings->h_fixed : settings->h_max,
+                            .vertices = body->mesh.vertices,
+                            .triangles = body->mesh.triangles,
+                            .tets = body->tets.count};
     if (!body->has_mesh) info.pressure = scene_pressure(scene, body);
     memcpy(info.gravity, settings->gravity, sizeof info.gravity);
     return info;
