@@ -185,7 +185,7 @@ static json_t *describe_run(const struct report *report, const pdyn_sim *sim) {
 static json_t *describe_result(const struct report *report, const pdyn_sim *sim) {
     pdyn_step_info start = report->start;
     const pdyn_step_info *end = &report->end;
-    start.constraint_energy = sim->energy.constraints; /* known from the first step on */
+    start.constraint_energy = energy_budget_constraints(sim);
     const double *pin = end->pin_reaction;
     char hash[17];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)pdyn_state_hash(sim));

@@ -75,6 +75,7 @@ pdyn_status energy_budget_create(struct pdyn_sim *sim) {
     struct energy_budget *e = &sim->energy;
     e->closed = !sim->live && kinematic_top_speed(sim) == 0.0;
     e->mass = total_mass(sim);
+    e->constraints = far;
     e->block = NEW_ARRAY(sim->context, blocks(sim), struct energy_block);
     return e->block || !blocks(sim) ? PDYN_OK : PDYN_NO_MEMORY;
 }
@@ -136,6 +137,10 @@ pdyn_status energy_budget_open(struct pdyn_sim *sim) {
     pdyn_status status = objective_local(&sim->objective, sim->x, &energy, sim->gradient);
     if (status == PDYN_OK) measure_start(sim);
     return status;
+}
+
+double energy_budget_constraints(const struct pdyn_sim *sim) {
+    return sim->energy.constraints == far ? NAN : sim->energy.constraints;
 }
 
 /* ---- steps ----------------------------------------------------------------------------------- */

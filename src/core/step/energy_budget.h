@@ -26,7 +26,8 @@ struct energy_budget {
     double start;         /* J: kinetic energy and energy of the fluid at the start, and drive */
     double stored;        /* J: energy of constraints with rows and of contact, largest so far */
     double potential;     /* J, at the start */
-    double constraints;   /* J: energy of all constraints at the start of the run; 0: not bounded */
+    double constraints;   /* J: energy of all constraints at the start of the run; read it with
+                             energy_budget_constraints */
     double density_error; /* mean, at the start */
     double highest;       /* m, largest height so far, against gravity */
     double total;         /* J: what the total energy is compared with: that of the first step of
@@ -46,6 +47,10 @@ void energy_budget_free(struct pdyn_sim *sim);
 
 /* Measures the energy stored at the start of the first bounded step, before it is minimised. */
 pdyn_status energy_budget_open(struct pdyn_sim *sim);
+
+/* J: energy of all constraints at the start of the run; NAN: it was not bounded there, or has made
+ * no step. */
+double energy_budget_constraints(const struct pdyn_sim *sim);
 
 /* Checks the displacement of a step of length h, s, before it is accepted. PDYN_DIVERGED: the
  * kinetic energy exceeds the budget. */
