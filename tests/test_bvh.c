@@ -108,7 +108,15 @@ static void make_side(pdyn_context *context, struct side *side, int count, uint6
     bvh_build(&side->tree, side->box, count);
 }
 
-static void note_pair(void *user, int a, int b) { ((unsigned char(*)[SIDE])user)[a][b]++; }
+static bool note_pair(void *user, int a, int b) {
+    ((unsigned char(*)[SIDE])user)[a][b]++;
+    return true;
+}
+
+static bool stop_at_first(void *user, int a, int b) {
+    (void)a, (void)b;
+    return ++*(int *)user < 1;
+}
 
 /* Every pair of overlapping boxes with a change is found once. */
 static void check_join(const struct side *a, const struct side *b) {
@@ -118,7 +126,12 @@ static void check_join(const struct side *a, const struct side *b) {
     int parts = bvh_join_divide(&join, part);
     memset(found, 0, sizeof found);
     assert_in_range(parts, 0, BVH_PARTS);
-    for (int k = 0; k < parts; k++) bvh_join_visit(&join, part[k], note_pair, found);
+    for (int k = 0; k < parts; k++) {
+        int visits = 0;
+        bvh_join_visit(&join, part[k], note_pair, found);
+        bvh_join_visit(&join, part[k], stop_at_first, &visits);
+        assert_in_range(visits, 0, 1);
+    }
     for (int i = 0; i < a->tree.count; i++)
         for (int k = a == b ? i : 0; k < b->tree.count; k++) {
             bool others = a->owner[i] < 0 || a->owner[i] != b->owner[k];

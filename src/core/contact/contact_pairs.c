@@ -89,6 +89,7 @@ struct searches {
         struct group_pair part;
     } task[SEARCHES * BVH_PARTS];
     atomic_long found; /* new pairs, also those that the list has no room for */
+    long limit;        /* pairs of the list: beyond, the search ends */
 };
 
 struct gathered { /* new pairs of a task */
@@ -106,24 +107,27 @@ static void count_groups(const struct gathered *g) {
     if (other != one) atomic_fetch_add(&c->pairs.of_group[other], g->count);
 }
 
-/* Appends the gathered pairs to the list; where it has no room, they are counted only. */
-static void add_to_list(struct gathered *g) {
+/* Appends the gathered pairs to the list; where it has no room, they are counted only. false: there
+ * are more than the limit. */
+static bool add_to_list(struct gathered *g) {
     struct pair_list *list = &g->all->contact->pairs;
     long at = list->count + atomic_fetch_add(&g->all->found, g->count);
     count_groups(g);
     if (at + g->count <= list->room)
         memcpy(list->pair + at, g->pair, (size_t)g->count * sizeof *g->pair);
-    g->count = 0;
+    at += g->count, g->count = 0;
+    return at <= g->all->limit;
 }
 
 /* Gathers the pair of box a of the first tree and box b of the second one, if it can come close. */
-static void gather_pair(void *user, int a, int b) {
+static bool gather_pair(void *user, int a, int b) {
     struct gathered *g = user;
     a += g->search->first[0], b += g->search->first[1];
     bool swap = g->search->edges && b < a;
     struct pair *p = &g->pair[g->count];
     *p = make_pair(g->all->contact, g->search->edges, swap ? b : a, swap ? a : b);
-    if (close_enough(g->all->contact, p) && ++g->count == GATHERED) add_to_list(g);
+    bool full = close_enough(g->all->contact, p) && ++g->count == GATHERED;
+    return !full || add_to_list(g);
 }
 
 static void do_tasks(void *arg, int first, int last, int block) {
@@ -190,26 +194,31 @@ static const char *most_pairs(const struct contact *c) {
     return c->name[most];
 }
 
-/* Fails where the machine lacks memory for a list with this room: many systems grant more memory
- * than there is, and then stop the program without a message. */
-static pdyn_status check_memory(const struct contact *c, int count, int room) {
-    double bytes = room * pair_memory, machine = machine_memory();
-    if (bytes + (double)pdyn_bytes_in_use(c->context) <= machine) return PDYN_OK;
+static const int spare_room = 4; /* a list that grows gets room for a part of this more */
+
+/* The largest number of pairs: those that the machine has memory for, as many systems grant more
+ * memory than there is, and then stop the program without a message. */
+static long largest_count(const struct contact *c) {
+    double left = machine_memory() - (double)pdyn_bytes_in_use(c->context);
+    double pairs = left / (pair_memory * (1.0 + 1.0 / spare_room));
+    return (long)fmax(c->pairs.room, fmin(pairs, INT32_MAX / 4));
+}
+
+static pdyn_status too_many(const struct contact *c, long limit) {
     return set_error(
         PDYN_NO_MEMORY,
-        "contact: %d pairs of a vertex and a triangle, or of two edges, most of them of "
-        "\"%s\", can come closer than the thickness of %g m; they take about %.2g GB, and "
-        "there are %.2g GB: expected a smaller \"thickness\" or coarser meshes",
-        count, most_pairs(c), c->settings->thickness, bytes * 1e-9, machine * 1e-9);
+        "contact: more than %ld pairs of a vertex and a triangle, or of two edges, most of them of "
+        "\"%s\", can come closer than the thickness of %g m; so many take about %.2g GB, and there "
+        "are %.2g GB: expected a smaller \"thickness\" or coarser meshes",
+        limit, most_pairs(c), c->settings->thickness, (double)limit * pair_memory * 1e-9,
+        machine_memory() * 1e-9);
 }
 
 /* Makes room for `count` pairs; those in the list stay. PDYN_NO_MEMORY: nothing has changed. */
 static pdyn_status reserve(struct contact *c, int count) {
     if (count <= c->pairs.room) return PDYN_OK;
     struct contact grown = *c;
-    grown.pairs.room = count + count / 4;
-    pdyn_status status = check_memory(c, count, grown.pairs.room);
-    if (status != PDYN_OK) return status;
+    grown.pairs.room = count + count / spare_room;
     grown.pairs.pair = NEW_ARRAY(c->context, grown.pairs.room, struct pair);
     if (!resize_arrays(&grown, ARRAYS_ALLOCATE) || !grown.pairs.pair) {
         contact_free_pairs(&grown);
@@ -239,13 +248,13 @@ void contact_measure_moved(struct contact *c, const double *x) {
 static pdyn_status add_new(struct contact *c) {
     struct searches all;
     list_tasks(c, &all);
+    all.limit = largest_count(c);
     for (;;) {
         atomic_init(&all.found, 0);
         for (int g = 0; g < c->groups; g++) atomic_init(&c->pairs.of_group[g], 0);
         pool_for(c->context->pool, all.tasks, TASKS, do_tasks, &all);
         long count = c->pairs.count + atomic_load(&all.found);
-        if (count > INT32_MAX / 4)
-            return set_error(PDYN_DIVERGED, "contact: %ld pairs are close", count);
+        if (count > all.limit) return too_many(c, all.limit);
         bool fits = count <= c->pairs.room;
         if (fits) c->pairs.count = (int)count;
         pdyn_status status = reserve(c, (int)count);

@@ -54,7 +54,7 @@ INLINE int divide(const struct group_pair *p, int64_t meets[BVH_WIDTH][BVH_WIDTH
 static bool is_single(const struct group_pair *p) { return !p->level[0] && !p->level[1]; }
 
 WIDE static void visit_meetings(const struct bvh_join *join, struct group_pair part,
-                                void (*visit)(void *user, int a, int b), void *user) {
+                                bool (*visit)(void *user, int a, int b), void *user) {
     /* a division adds fewer than 16 parts, and is followed by fewer than BVH_LEVELS others; 4 kB,
      * not set to 0 */
     struct group_pair stack[BVH_LEVELS * BVH_WIDTH * BVH_WIDTH];
@@ -71,12 +71,12 @@ WIDE static void visit_meetings(const struct bvh_join *join, struct group_pair p
         const int *b = join->tree[1]->order + BVH_WIDTH * p.group[1];
         for (int i = 0; i < BVH_WIDTH; i++)
             for (int k = 0; k < BVH_WIDTH; k++)
-                if (meets[i][k]) visit(user, a[i], b[k]);
+                if (meets[i][k] && !visit(user, a[i], b[k])) return;
     }
 }
 
 void bvh_join_visit(const struct bvh_join *join, struct group_pair part,
-                    void (*visit)(void *user, int a, int b), void *user) {
+                    bool (*visit)(void *user, int a, int b), void *user) {
     visit_meetings(join, part, visit, user);
 }
 

@@ -21,8 +21,9 @@ enum { BVH_PARTS = 512 };
  * number. */
 int bvh_join_divide(const struct bvh_join *join, struct group_pair part[BVH_PARTS]);
 
-/* Calls visit(user, a, b) for each pair of a part; a: index of a box of tree[0], b: of tree[1]. */
+/* Calls visit(user, a, b) for each pair of a part until it returns false; a: index of a box of
+ * tree[0], b: of tree[1]. */
 void bvh_join_visit(const struct bvh_join *join, struct group_pair part,
-                    void (*visit)(void *user, int a, int b), void *user);
+                    bool (*visit)(void *user, int a, int b), void *user);
 
 #endif
