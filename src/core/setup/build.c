@@ -25,7 +25,14 @@ static pdyn_status create_contact(struct pdyn_sim *sim) {
     return contact_create(sim->context, &def, &sim->objective.contact);
 }
 
-static pdyn_status build(struct pdyn_sim *sim) {
+/* Prepends the place of the solver's name to the error text of a solver that does not fit. */
+static pdyn_status create_solver(struct pdyn_sim *sim, const struct json_file *json) {
+    struct json_at root = json_root(json), solver = json_member(&root, "solver");
+    struct json_at type = json_member(&solver, "type");
+    return json_wrap(&type, solver_choice_create(sim));
+}
+
+static pdyn_status build(struct pdyn_sim *sim, const struct json_file *json) {
     sim->services = context_services(sim->context);
     sim->objective.context = sim->context;
     pdyn_status status = bodies_create(sim);
@@ -43,7 +50,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) control_find_anchored(sim);
     if (status == PDYN_OK) status = probes_create(sim);
     sim->eps = sim->scene.settings.newton ? 0.0 : 1.0;
-    if (status == PDYN_OK) status = solver_choice_create(sim);
+    if (status == PDYN_OK) status = create_solver(sim, json);
     if (status == PDYN_OK) solver_choice_warn(sim);
     if (status == PDYN_OK) status = crossings_create(sim);
     if (status == PDYN_OK) status = energy_budget_create(sim);
@@ -62,7 +69,7 @@ pdyn_status pdyn_scene_load(pdyn_scene *scene, pdyn_sim **out) {
     sim->context = context;
     pool_check_process(context->pool);
     pdyn_status status = scene_read(&scene->json, &sim->scene);
-    if (status == PDYN_OK) status = build(sim);
+    if (status == PDYN_OK) status = build(sim, &scene->json);
     if (status == PDYN_OK) return *out = sim, PDYN_OK;
     pdyn_free(sim);
     return status;
