@@ -403,6 +403,21 @@ static void test_pendulum(void **state) {
     }
 }
 
+/* Up to 1 s: the height to which the load rises when its strings are taut, over that of its fall,
+ * m.
+ */
+static double rebound(pdyn_sim *sim, double fall) {
+    double taut = sim->x[1] - fall, highest = 0.0;
+    bool fallen = false;
+    while (sim->time < 1.0) {
+        test_step(sim);
+        fallen |= sim->x[1] < taut;
+        if (fallen) highest = fmax(highest, (sim->x[1] - taut) / fall);
+    }
+    assert_true(fallen);
+    return highest;
+}
+
 /* Strings too stiff for the step stop a fall, in whichever part of a step they become taut. */
 static void test_snap(void **state) {
     (void)state;
@@ -410,15 +425,32 @@ static void test_snap(void **state) {
     for (int k = 0; k < 8; k++) {
         const struct string s = {"0, 0, 0", k % 2 ? 1e8 : 1e6, 1.3 + 0.01 * k, k < 4 ? 0.0 : 0.05,
                                  1e12};
-        double taut = -0.5 * s.length;
         pdyn_sim *sim = load_strings(test_context(1), 0.005, "auto", &s);
-        bool fallen = false;
-        while (sim->time < 1.0) {
-            test_step(sim);
-            fallen |= sim->x[1] < taut;
-            if (fallen) highest = fmax(highest, (sim->x[1] - taut) / (-0.5 - taut));
-        }
-        assert_true(fallen);
+        highest = fmax(highest, rebound(sim, 0.5 * (s.length - 1.0)));
+        test_close(sim);
+    }
+    print_message("%g\n", highest);
+    assert_true(highest < 0.1);
+}
+
+/* A rigid box of 1 kg on one string to the middle of its top: there its mass is that of the string,
+ * although it is less across, in the mean over all directions half of it. */
+static void test_snap_of_box(void **state) {
+    (void)state;
+    static const char tied[] = PAIR(
+        "{'name': 'load', 'rigid': {'box': {'minimum': [-0.05, -0.7, -0.05], 'maximum': [0.05, "
+        "-0.5, 0.05]}, 'mass': 1}}",
+        GRID_SHEET("", "1, 1", "3, 3", "'area_density': 1",
+                   "{'type': 'pin', 'vertices': {'all': true}, 'stiffness': 1e12}, {'type': "
+                   "'attachment', 'to': 'load', 'vertices': {'vertices': [4]}, 'stiffness': %g, "
+                   "'length': %g, 'tension_only': true}"));
+    double highest = 0.0;
+    for (int k = 0; k < 8; k++) {
+        char bodies[1024];
+        double length = 1.3 + 0.01 * k;
+        snprintf(bodies, sizeof bodies, tied, k % 2 ? 1e8 : 1e7, length);
+        pdyn_sim *sim = load(test_context(1), 0.005, -gravity, "auto", bodies);
+        highest = fmax(highest, rebound(sim, 0.5 * (length - 1.0)));
         test_close(sim);
     }
     print_message("%g\n", highest);
@@ -439,6 +471,7 @@ int main(void) {
                                        cmocka_unit_test(test_circle),
                                        cmocka_unit_test(test_tension),
                                        cmocka_unit_test(test_pendulum),
-                                       cmocka_unit_test(test_snap)};
+                                       cmocka_unit_test(test_snap),
+                                       cmocka_unit_test(test_snap_of_box)};
     return cmocka_run_group_tests_name("attachment", tests, NULL, NULL);
 }

@@ -312,6 +312,28 @@ static void test_water_long(void **state) {
     test_close(sim);
 }
 
+/* Accelerations by a force on a vertex along n, by those of the four points. */
+static void test_mobility(void **state) {
+    (void)state;
+    static const double n[3] = {0.48, -0.6, 0.64};
+    pdyn_sim *sim = test_open(RIGID_SCENE("0.01", "[0, 0, 0]", "",
+                                          BOX(", 'center_of_mass': [0.05, 0.1, 0], 'rotate': [30, "
+                                              "40, 50], 'translate': [1, 2, 3]",
+                                              "")));
+    const struct rigid_map *map = sim->objective.rigid;
+    for (int j = 0; j < 8; j++) {
+        double a[36] = {0};
+        vec3_add(a + 3 * j, 4.0 / map->body[0].mass, n);
+        rigid_map_pull(map, a);
+        rigid_map_extend(map, a);
+        for (int i = 0; i < 8; i++) {
+            double due = vec3_dot(n, a + 3 * i);
+            assert_true(fabs(rigid_body_mobility(&map->body[0], i, j, n) - due) < 1e-14);
+        }
+    }
+    test_close(sim);
+}
+
 /* ---- a program ------------------------------------------------------------------------------- */
 
 static void test_poses(void **state) {
@@ -405,6 +427,7 @@ int main(void) {
         cmocka_unit_test(test_forces),       cmocka_unit_test(test_water_long),
         cmocka_unit_test(test_poses),        cmocka_unit_test(test_threads),
         cmocka_unit_test(test_pair),         cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_mobility),
     };
     return cmocka_run_group_tests_name("rigid", tests, test_enter_directory, test_leave_directory);
 }

@@ -179,7 +179,7 @@ struct velocity_change {  /* by a step of effective length h, s */
     const pdyn_neighbours *lists; /* NULL in a scene without SPH sums */
     double taken; /* part of the impulse of an impact that is taken off the velocities */
     int particles;
-    const double *mass; /* particles, kg; of vertices of rigid bodies the effective mass */
+    const double *mass;            /* particles, kg */
     const struct rigid_map *rigid; /* NULL: there are no rigid bodies */
     double h;
     bool solved; /* to the tolerance of the scene */

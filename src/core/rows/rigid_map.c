@@ -184,6 +184,14 @@ void rigid_body_move(const struct rigid_body *b, int begin, const double motion[
     }
 }
 
+double rigid_body_mobility(const struct rigid_body *b, int i, int j, const double *n) {
+    double turn[3], moment[3], spin[3];
+    vec3_cross(turn, b->arm + 3 * (size_t)(i - b->first), n);
+    vec3_cross(moment, b->arm + 3 * (size_t)(j - b->first), n);
+    vec3_multiply(spin, b->inverse, moment);
+    return (1.0 + RIGID_POINTS * vec3_dot(turn, spin)) / b->mass;
+}
+
 /* The mean over the points of sums of them, and the rotation that has these moments. */
 static void mean_motion(const struct rigid_body *b, const double sum[RIGID_SIZE],
                         double motion[RIGID_SIZE]) {
@@ -250,16 +258,13 @@ static void set_frame(struct rigid_body *b) {
     for (int a = 0; a < RIGID_POINTS; a++) vec3_multiply(b->frame[a], inverse, r[a]);
 }
 
-/* 1/m + (turns of a unit force at r by I^-1, moved back to r), its mean over three directions. */
-static double mass_at(const struct rigid_body *b, const double *r) {
-    double sum = 3.0 / b->mass;
+/* Of particle i, in the mean over three directions. */
+static double mass_at(const struct rigid_body *b, int i) {
+    double sum = 0.0;
     for (int a = 0; a < 3; a++) {
-        double unit[3] = {0}, turn[3], spin[3], moved[3];
+        double unit[3] = {0};
         unit[a] = 1.0;
-        vec3_cross(turn, r, unit);
-        vec3_multiply(spin, b->inverse, turn);
-        vec3_cross(moved, spin, r);
-        sum += RIGID_POINTS / b->mass * moved[a];
+        sum += rigid_body_mobility(b, i, i, unit);
     }
     return 3.0 / sum;
 }
@@ -279,7 +284,7 @@ static bool resize(struct rigid_map *map, enum array_action action) {
     return good;
 }
 
-pdyn_status rigid_map_create(struct rigid_map *map, const double *rest, const double *mass) {
+pdyn_status rigid_map_create(struct rigid_map *map, const double *rest) {
     if (!resize(map, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     for (int k = 0; k < map->bodies; k++) {
         struct rigid_body *b = &map->body[k];
@@ -293,11 +298,9 @@ pdyn_status rigid_map_create(struct rigid_map *map, const double *rest, const do
     for (int k = 0; k < map->bodies; k++)
         for (int i = 0; i < rigid_body_particles(&map->body[k]); i++)
             map->owner[map->body[k].first + i] = k;
-    memcpy(map->effective_mass, mass, (size_t)map->particles * sizeof *mass);
     for (int k = 0; k < map->bodies; k++)
-        for (int i = 0; i < map->body[k].vertices; i++)
-            map->effective_mass[map->body[k].first + i] =
-                mass_at(&map->body[k], map->body[k].arm + 3 * (size_t)i);
+        for (int i = map->body[k].first; i < first_point(&map->body[k]); i++)
+            map->effective_mass[i] = mass_at(&map->body[k], i);
     return PDYN_OK;
 }
 

@@ -45,13 +45,13 @@ struct rigid_map {
     struct rigid_body *body; /* bodies */
     double *input;           /* particles x 3: an extended vector */
     double *effective_mass;  /* particles, kg: of a vertex, the mass that a force there accelerates,
-                                in the mean over its directions; the mass of other particles */
+                                in the mean over its directions; 0 of other particles */
     int *owner;              /* particles: the body; -1: none */
 };
 
-/* rest: particles x 3, m; mass: particles, kg. Bodies have `first`, `vertices` and `mass`; the
- * rest of them is computed. */
-pdyn_status rigid_map_create(struct rigid_map *map, const double *rest, const double *mass);
+/* rest: particles x 3, m. Bodies have `first`, `vertices` and `mass`; the rest of them is computed.
+ */
+pdyn_status rigid_map_create(struct rigid_map *map, const double *rest);
 void rigid_map_free(struct rigid_map *map); /* NULL: nothing */
 
 /* Moves every body to the rigid pose with the same centre and the rotation closest to the affine
@@ -81,6 +81,9 @@ void rigid_body_sum(const struct rigid_body *body, int begin, const double *f,
 /* u_i = t + w x r_i for these particles. */
 void rigid_body_move(const struct rigid_body *body, int begin, const double motion[RIGID_SIZE],
                      double *u);
+/* n . (the acceleration of its particle i, by a unit force along n on its particle j) at the last
+ * update, 1/kg; i, j: particles of the system. */
+double rigid_body_mobility(const struct rigid_body *body, int i, int j, const double *n);
 /* The centre of the points at x, m; x is that of the system. */
 void rigid_body_centre(const struct rigid_body *body, const double *x, double c[3]);
 /* The matrix of the affine map of the rest shape to the points at x, row by row: the rotation where

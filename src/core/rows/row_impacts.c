@@ -1,4 +1,5 @@
 /* Rows of a one-sided type: the part of their forces that stops an impact (one_sided.h). */
+#include "rigid_map.h"
 #include "row_loops.h"
 
 #include "projdyn/vec3.h"
@@ -40,6 +41,25 @@ static double rate_by_turn(const struct batch *b, int r, const struct velocity_c
     return along * v4_dot(&start, &before) / length - v4_dot(flux, &before) / force;
 }
 
+/* The acceleration along n by the force n on row r of the particle of entry k, times its
+ * coefficient, 1/kg. The force moves a rigid body as a whole, by all entries of the body. With the
+ * roots of their yields the sum of these accelerations is never negative. */
+static double softness_at(const struct batch *b, int r, int k, const struct velocity_change *change,
+                          const double *n) {
+    const pdyn_batch *v = &b->view;
+    const struct rigid_map *map = change->rigid;
+    int i = v->column[k], body = map ? map->owner[i] : -1;
+    double yield = yield_of(change, i), sum = 0.0;
+    if (body < 0) return yield * v->coefficient[k] * v->coefficient[k] / change->mass[i];
+    for (int m = v->row_entry[r]; m < v->row_entry[r + 1]; m++) {
+        int j = v->column[m];
+        if (map->owner[j] != body) continue;
+        sum += sqrt(yield * yield_of(change, j)) * v->coefficient[k] * v->coefficient[m] *
+               rigid_body_mobility(&map->body[body], i, j, n);
+    }
+    return sum;
+}
+
 /* Replaces the flux of each row by its impact part. As in one_sided.c, the change of velocity is
  * the larger of two: by this row alone, and by all rows, because the contacts of a point share the
  * force that stops it. */
@@ -54,11 +74,11 @@ static void compute_impacts(void *arg, int first, int last, int block) {
         v4_load(&flux, b->flux, r);
         gather_row(b, r, c->change->slowed, &slowed);
         gather_row(b, r, c->change->acceleration, &acceleration);
-        for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
-            softness += yield_of(c->change, v->column[k]) * v->coefficient[k] * v->coefficient[k] /
-                        c->change->mass[v->column[k]];
         double force = sqrt(v4_dot(&flux, &flux));
         if (force > 0.0) {
+            const double n[3] = {flux[0] / force, flux[1] / force, flux[2] / force};
+            for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
+                softness += softness_at(b, r, k, c->change, n);
             double weight = v->weight[b->entry_element[v->row_entry[r]]];
             double all = v4_dot(&flux, &acceleration) / force;
             double stopped =

@@ -162,8 +162,7 @@ static int find_impacts(struct pdyn_sim *sim, double h, double *force) {
                                      .lists = objective_lists(objective),
                                      .taken = 1.0 - objective->h / h,
                                      .particles = objective->particles,
-                                     .mass = objective->rigid ? objective->rigid->effective_mass
-                                                              : objective->inertia,
+                                     .mass = objective->inertia,
                                      .rigid = objective->rigid,
                                      .h = objective->h,
                                      .solved = sim->solved,

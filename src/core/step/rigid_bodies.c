@@ -166,6 +166,6 @@ pdyn_status rigid_bodies_create(struct pdyn_sim *sim) {
     if (!map->body) return PDYN_NO_MEMORY;
     for (int b = 0; b < sim->bodies; b++)
         if (sim->scene.body[b].is_rigid) start_body(sim, b, &map->body[map->bodies++]);
-    pdyn_status status = rigid_map_create(map, sim->rest, sim->objective.mass);
+    pdyn_status status = rigid_map_create(map, sim->rest);
     return status == PDYN_OK ? rigid_matrix_create(map, &sim->objective.rigid_matrix) : status;
 }
