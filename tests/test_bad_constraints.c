@@ -139,8 +139,8 @@ static const struct bad_scene bad_constraints[] = {
      "{'size': [1, 1], 'vertices': [2, 2]}, 'area_density': 1}, 'constraints': [\n{'type': "
      "'attachment', 'to': 'hook', 'stiffness': 1, 'vertices': {'all': true}}]}]}",
      "scene.json:2:30: bodies[0].constraints[0].to: expected another body that has a surface, "
-     "found a solid; a \"pin\" holds points at a solid, and moves them by \"path\" and \"turn\" as "
-     "its \"motion\" does"},
+     "found a solid; take a rigid body whose \"pin\" moves all vertices by \"path\" and \"turn\" "
+     "as the \"motion\" does, or hold points at the solid by such a \"pin\""},
     {ATTACHED("3"), "scene.json:4:38: bodies[1].constraints[0].to: expected the name of another "
                     "body, found 3"},
     {CLOTH("{'type': 'attachment', 'stiffness': 1, 'vertices': {'all': true}}"),

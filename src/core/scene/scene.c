@@ -33,9 +33,10 @@ static pdyn_status check_other(const struct reader *r, const struct json_at *at,
     }
     for (int k = 0; k < r->scene->solids; k++)
         if (!strcmp(r->scene->solid[k].name, name))
-            return json_fail(at, "expected another body that has a surface, found a solid; a "
-                                 "\"pin\" holds points at a solid, and moves them by \"path\" and "
-                                 "\"turn\" as its \"motion\" does");
+            return json_fail(at, "expected another body that has a surface, found a solid; take "
+                                 "a rigid body whose \"pin\" moves all vertices by \"path\" and "
+                                 "\"turn\" as the \"motion\" does, or hold points at the solid by "
+                                 "such a \"pin\"");
     return reader_fail_word(at, "body", names, count);
 }
 
