@@ -1,5 +1,7 @@
-/* Diverged steps are taken back and repeated with half the length. */
-#include "support.h"
+/* Diverged steps are taken back and repeated with a quarter of the length. */
+#include "warning_support.h"
+
+#include <string.h>
 
 static const char drop[] = SCENE(
     "'duration': 1, 'time_step': {'fixed': 0.004}, 'frame_interval': 0.01, 'solver': {'type': "
@@ -36,6 +38,9 @@ static void test_shorter(void **state) {
     pdyn_step_info info = test_step(sim);
     assert_int_equal(info.retries, 2);
     assert_true(info.h <= 0.0006 && pdyn_time(sim) == time + info.h);
+    const char *text = find_warning(sim, "retries", "").text;
+    assert_non_null(strstr(text, "2 attempts at a step failed and were repeated with a shorter "
+                                 "one; reason of the last one: point 1 is at ("));
     longest = INFINITY;
     for (int k = 0; k < 20; k++) info = test_step(sim);
     assert_true(info.retries == 0 && info.h > 0.003 && info.kinetic_energy < 0.1);

@@ -156,6 +156,23 @@ static bool moved_too_far(const struct pdyn_sim *sim, const struct step_end *end
     return false;
 }
 
+/* Attempts that were taken back. */
+struct retries {
+    int count;
+    char why[WARNING_TEXT]; /* of the last one */
+};
+
+/* Notes why the attempt has to be taken back. Returns false where it stays, or nothing helps. */
+static bool note_why(const struct pdyn_sim *sim, const struct step_end *end, pdyn_status status,
+                     double residual, struct retries *retries) {
+    const char *why = NULL;
+    if (status == PDYN_DIVERGED) why = pdyn_last_error(NULL);
+    if (status == PDYN_OK && moved_too_far(sim, end, residual))
+        why = "it was unsolved and moved a particle more than twice as far as \"cfl\" allows";
+    if (why) snprintf(retries->why, sizeof retries->why, "%s", why);
+    return why != NULL;
+}
+
 /* The friction of a step takes its normal forces from the step before. The first step has none
  * before it: it is attempted without friction, for these forces alone, and taken back. */
 static pdyn_status find_first_normal_forces(struct pdyn_sim *sim, const struct step_end *end) {
@@ -174,19 +191,18 @@ static pdyn_status find_first_normal_forces(struct pdyn_sim *sim, const struct s
 
 /* Attempts the step with shorter and shorter lengths, up to the number of retries of the scene. */
 static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *end,
-                                        struct progress *progress, int *retries) {
+                                        struct progress *progress, struct retries *retries) {
     double eps = sim->eps, history = sim->history;
     pdyn_status status = find_first_normal_forces(sim, end);
     if (status == PDYN_OK) status = attempt(sim, end, progress);
-    while (*retries < sim->scene.settings.retries &&
-           (status == PDYN_DIVERGED ||
-            (status == PDYN_OK && moved_too_far(sim, end, progress->residual)))) {
+    while (retries->count < sim->scene.settings.retries &&
+           note_why(sim, end, status, progress->residual, retries)) {
         if ((status = take_back(sim)) != PDYN_OK) break;
         integrator_forget(sim);
         *end =
             end->given ? timestep_given(sim, 0.25 * end->h) : timestep_choose(sim, 0.25 * end->h);
         status = attempt(sim, end, progress);
-        ++*retries;
+        retries->count++;
     }
     if (status == PDYN_OK) status = warn_of_momentum(sim);
     if (status == PDYN_OK) status = objective_end(&sim->objective);
@@ -222,7 +238,7 @@ static void measure_times(const struct pdyn_sim *sim, double ms, double ms_cpu,
 
 static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_info *info) {
     struct progress progress;
-    int retries = 0;
+    struct retries retries = {0};
     double start = clock_ms(), cpu = clock_cpu_ms();
     sim->in_step = true;
     forces_forget(sim);
@@ -238,11 +254,11 @@ static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_inf
                              .outer_iterations = progress.outer,
                              .linear_iterations = progress.linear,
                              .impacts = sim->impacts.count,
-                             .retries = retries,
+                             .retries = retries.count,
                              .leaked = crossings_total(sim),
                              .step_residual = progress.residual};
     measure_step(sim, info);
-    warn_of_step(sim, info);
+    warn_of_step(sim, info, retries.why);
     measure_times(sim, clock_ms() - start, clock_cpu_ms() - cpu, info);
     return PDYN_OK;
 }

@@ -36,12 +36,14 @@ static void warn_slowed(struct pdyn_sim *sim) {
                  w->count, sim->steps, 100.0 * w->worst);
 }
 
-static void warn_retries(struct pdyn_sim *sim, int retries) {
+static void warn_retries(struct pdyn_sim *sim, int retries, const char *why) {
     if (!retries) return;
     struct warning *w = sim_warning(sim, WARNING_RETRIES, "", retries, retries);
-    warnings_say(sim->context, w,
-                 "%ld attempt%s at a step failed and w%s repeated with a shorter one", w->count,
-                 w->count == 1 ? "" : "s", w->count == 1 ? "as" : "ere");
+    warnings_say(
+        sim->context, w,
+        "%ld attempt%s at a step failed and w%s repeated with a shorter one; reason of the "
+        "last one: %s",
+        w->count, w->count == 1 ? "" : "s", w->count == 1 ? "as" : "ere", why);
 }
 
 /* After the first step, also if the fluid was compressed at the start. */
@@ -204,10 +206,10 @@ static void warn_fallen(struct pdyn_sim *sim) {
     }
 }
 
-void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
+void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info, const char *why_repeated) {
     warn_unsolved(sim);
     warn_slowed(sim);
-    warn_retries(sim, info->retries);
+    warn_retries(sim, info->retries, why_repeated);
     warn_compressed(sim, info->density_error_mean);
     warn_of_gaps(sim, info->density_error_max);
     crossings_warn(sim);

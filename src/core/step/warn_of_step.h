@@ -4,8 +4,9 @@
 
 #include "sim.h"
 
-/* Raises warnings about the step that was just accepted. */
-void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info);
+/* Raises warnings about the step that was just accepted. why_repeated: the fault of the last
+ * attempt at it that was taken back; "" without one. */
+void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info, const char *why_repeated);
 /* Warns of particles in gaps without room for them, a part of it. density_error_max: of the step.
  */
 void warn_of_gaps(struct pdyn_sim *sim, double density_error_max);
