@@ -213,6 +213,7 @@ static void test_values(void **state) {
     t.project = project_nan, wrong_expect(t, "not finite");
     t.project = project_part, wrong_expect(t, "does not write all of it");
     t.project = project_counting, wrong_expect(t, "project gives another p for the same elements");
+    assert_false(wrong_type_is_reported(t, "depends on `time`"));
     t.project = project_mean, wrong_expect(t, "project gives another p for the same elements");
     t.project = project_default, wrong_expect(t, "p is not the closest point");
     t = good, t.weight = weight_negative, wrong_expect(t, "has the weight -1");

@@ -112,7 +112,31 @@ static void check_finite(struct check *check, const struct guarded *g, const str
         fault(check, "%s gives a %s that is not finite%s", call->name, guarded_name[array], where);
 }
 
-/* Checks project and tangent, first at the u of the trial, then where u = 0. */
+/* Whether core expects no energy from the type (module.h, `energy`). */
+static bool gives_nothing(const pdyn_constraint_type *t) {
+    return !type_gives_energy(t) && !t->matrix_free && !type_has_kind(t, PDYN_PATH);
+}
+
+/* A p that depends on time gives energy: without `begin`, core refuses steps that have it. b has
+ * the p of the trial. */
+static void check_time(struct check *check, struct guarded *a, const struct guarded *b) {
+    static const double times[] = {0.1, 1.0, 10.0, 1000.0};
+    const struct call project = call_of("project", check->type->project, 1u << P);
+    const pdyn_batch view = a->view;
+    bool depends = false;
+    for (int k = 0; k < 4 && !depends && gives_nothing(check->type); k++) {
+        a->view.time = times[k];
+        guarded_run(a, &project, 0, a->view.elements);
+        depends = !guarded_same(a, b, P);
+    }
+    a->view = view;
+    guarded_run(a, &project, 0, a->view.elements);
+    if (depends)
+        fault(check, "project depends on `time`, but without `begin` core expects that the "
+                     "constraint gives no energy, and refuses steps: add one, even an empty one");
+}
+
+/* Checks project and tangent, first at the u of the trial, then at other times and where u = 0. */
 static void check_maps(struct check *check, struct guarded *a, struct guarded *b) {
     const pdyn_constraint_type *t = check->type;
     const struct call map[] = {call_of("project", t->project, 1u << P), tangent_call(t)};
@@ -122,6 +146,7 @@ static void check_maps(struct check *check, struct guarded *a, struct guarded *b
         if (check->faults == faults) check_finite(check, a, &map[k], "");
     }
     if (check->faults != faults) return;
+    check_time(check, a, b);
     guarded_fill(a, 1u << U | 1u << TANGENT, 0, n, 0);
     for (int k = 0; k < maps; k++) {
         guarded_run(a, &map[k], 0, n);
@@ -129,11 +154,6 @@ static void check_maps(struct check *check, struct guarded *a, struct guarded *b
     }
     guarded_restore_u(a);
     guarded_run(a, &map[0], 0, n);
-}
-
-/* Whether core expects no energy from the type (module.h, `energy`). */
-static bool gives_nothing(const pdyn_constraint_type *t) {
-    return !type_gives_energy(t) && !t->matrix_free && !type_has_kind(t, PDYN_PATH);
 }
 
 /* The energy of all elements is the sum of those of RANGES of them, and at least 0 where core
@@ -187,25 +207,6 @@ static void check_lasting_weight(struct check *check, struct guarded *a, const s
               "weight depends on %s, but without `begin` it is not called in every step: add "
               "one, even an empty one",
               changes);
-}
-
-/* A p that depends on time gives energy: without `begin`, core refuses steps that have it. b has
- * the p of the trial. */
-static void check_time(struct check *check, struct guarded *a, const struct guarded *b) {
-    static const double times[] = {0.1, 1.0, 10.0, 1000.0};
-    const struct call project = call_of("project", check->type->project, 1u << P);
-    const pdyn_batch view = a->view;
-    bool depends = false;
-    for (int k = 0; k < 4 && !depends && gives_nothing(check->type); k++) {
-        a->view.time = times[k];
-        guarded_run(a, &project, 0, a->view.elements);
-        depends = !guarded_same(a, b, P);
-    }
-    a->view = view;
-    guarded_run(a, &project, 0, a->view.elements);
-    if (depends)
-        fault(check, "project depends on `time`, but without `begin` core expects that the "
-                     "constraint gives no energy, and refuses steps: add one, even an empty one");
 }
 
 static void check_weight(struct check *check, struct guarded *a, struct guarded *b) {
@@ -271,7 +272,6 @@ void check_callbacks(struct check *check, struct trial *trial) {
     if (guarded_create(&b, trial->rows)) {
         check_energy(check, trial->rows);
         check_maps(check, &a, &b);
-        check_time(check, &a, &b);
         check_weight(check, &a, &b);
         check_select(check, &a, &b);
         check_others(check, &a, &b);
