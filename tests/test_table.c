@@ -240,16 +240,15 @@ static void refuses(pdyn_sim *sim, const char *name, const double *value, int co
 
 static void test_bad_set(void **state) {
     (void)state;
-    static const char expected[] = "4 numbers, one per vertex, or one row for all, from 0 to "
-                                   "1000000 N/m";
+#define EXPECTED "4 numbers, one per vertex, or one row for all, from 0 to 1000000 N/m, found "
     pdyn_sim *sim = test_load(context, POSE(FOUR));
-    refuses(sim, "stiffness", four, 3, expected);
-    refuses(sim, "stiffness", four, 0, expected);
-    refuses(sim, "stiffness", (double[]){1, 2, 3, -1}, 4, expected);
-    refuses(sim, "stiffness", (double[]){NAN}, 1, expected);
+    refuses(sim, "stiffness", four, 3, EXPECTED "3 numbers");
+    refuses(sim, "stiffness", four, 0, EXPECTED "0 numbers");
+    refuses(sim, "stiffness", (double[]){1, 2, 3, -1}, 4, EXPECTED "-1 in row 3");
+    refuses(sim, "stiffness", (double[]){NAN}, 1, EXPECTED "nan in row 0");
     refuses(sim, "share", (double[]){INFINITY}, 1,
-            "2 numbers, one per triangle, or one row for all, of at least 0");
-    refuses(sim, "pair", four, 3, "rows of 2 numbers, from 0 to 1000000");
+            "2 numbers, one per triangle, or one row for all, of at least 0, found inf in row 0");
+    refuses(sim, "pair", four, 3, "rows of 2 numbers, from 0 to 1000000, found 3 numbers");
     assert_rows(params_of(sim)->stiffness, 4, four, 4);
     pdyn_free(sim);
 }

@@ -155,23 +155,29 @@ static int rows_of(const struct batch *b, const pdyn_param *p) {
     return param_rows(p, body->count, body->triangles, body->tets);
 }
 
-static bool allows_all(const struct batch *b, const pdyn_param *p, const double *value, int count) {
+/* The first number that the table may not contain; `count`: all are allowed. */
+static int find_wrong(const struct batch *b, const pdyn_param *p, const double *value, int count) {
+    int width = param_width(p), k = 0;
+    while (k < count &&
+           table_allows(p, value + k - k % width, k % width, value[k], b->view.body->count))
+        k++;
+    return k;
+}
+
+static bool has_rows(const pdyn_param *p, int rows, int count) {
     int width = param_width(p);
-    bool good = true;
-    for (int k = 0; good && k < count; k++)
-        good = table_allows(p, value + k - k % width, k % width, value[k], b->view.body->count);
-    return good;
+    if (count <= 0 || count % width) return false;
+    return !rows || count == width || count / width == rows;
 }
 
 /* Checks all rows, or one row for all. */
 static pdyn_status check_table(const struct batch *b, const pdyn_param *p, const double *value,
                                int count) {
-    char expected[192] = "";
+    char expected[256] = "";
     int rows = rows_of(b, p), width = param_width(p);
-    bool good = count > 0 && count % width == 0;
-    if (good && rows) good = count == width || count / width == rows;
-    good = good && allows_all(b, p, value, count);
-    if (good) return PDYN_OK;
+    bool sized = has_rows(p, rows, count);
+    int wrong = sized ? find_wrong(b, p, value, count) : 0;
+    if (sized && wrong == count) return PDYN_OK;
     table_describe(expected, sizeof expected, p, rows, NULL);
     if (param_vertices(p))
         text_append(expected, sizeof expected,
@@ -179,6 +185,10 @@ static pdyn_status check_table(const struct batch *b, const pdyn_param *p, const
                     b->view.body->count - 1);
     params_describe_bounds(expected, sizeof expected, rows ? ", or one row for all," : ",", p->min,
                            p->max, p->unit);
+    if (sized)
+        text_append(expected, sizeof expected, ", found %.10g in row %d", value[wrong],
+                    wrong / width);
+    else text_append(expected, sizeof expected, ", found %d numbers", count);
     return fail_value(b, p, expected);
 }
 
@@ -296,7 +306,7 @@ static bool persist_table(const struct batch *b, const pdyn_param *p, pdyn_table
     double *value = table_allocate(b->context, p, count, &read);
     if (count && !value) return file->status = PDYN_NO_MEMORY, false;
     snapshot_file_bytes(file, value, (size_t)count * row);
-    bool valid = allows_all(b, p, value, count * width);
+    bool valid = find_wrong(b, p, value, count * width) == count * width;
     snapshot_file_require(file, valid, "a number of a table is out of bounds");
     bool changed =
         file->status == PDYN_OK &&
