@@ -26,6 +26,7 @@ enum fault {
     BEGIN_WRITES_P,
     NO_ANCHOR,
     NEVER, /* no point is below */
+    NEVER_NEAR_OTHER,
     SELDOM /* correct: a point of a body of particles is below in one state only */
 };
 
@@ -33,7 +34,9 @@ static enum fault now;
 static bool always; /* PDYN_EVERY_ITERATION, without memory */
 static atomic_int calls;
 
-static double height(void) { return now == NEVER ? -10.0 : now == SELDOM ? -0.03 : 0.1; }
+static double height(void) {
+    return now == NEVER || now == NEVER_NEAR_OTHER ? -10.0 : now == SELDOM ? -0.03 : 0.1;
+}
 
 static bool is_below(double y) { return y < height() + (now == APPEARS_WITH_ENERGY ? 0.03 : 0.0); }
 
@@ -99,11 +102,15 @@ static void end(const void *par, const pdyn_batch *b, int first, int last) {
 static bool is_reported(enum fault fault, bool every_iteration, const char *expected) {
     now = fault, always = every_iteration;
     atomic_store(&calls, 0);
+    static const pdyn_param none[] = {{0}},
+                            other[] = {{"to", PDYN_OTHER, 0, true, 0, 0, 0, "", "the other body"},
+                                       {0}};
     const pdyn_constraint_type type = {.name = "floor",
                                        .summary = "holds points above a height",
                                        .flags = (now == NO_ANCHOR ? 0u : PDYN_ANCHORED) |
                                                 (always ? PDYN_EVERY_ITERATION : 0u),
-                                       .params = (const pdyn_param[]){{0}},
+                                       .params_size = sizeof(pdyn_other),
+                                       .params = now == NEVER_NEAR_OTHER ? other : none,
                                        .data_size = sizeof(int),
                                        .update = update,
                                        .rows = 1,
@@ -154,6 +161,7 @@ static void test_wrong(void **state) {
         {NO_ANCHOR, true, "say PDYN_ANCHORED"},
         {NEVER, false, "not exercised: update gives no element"},
         {NEVER, true, "not exercised: update gives no element"},
+        {NEVER_NEAR_OTHER, true, "the other body is a sheet 0.3 m above"},
     };
     size_t count = sizeof wrong / sizeof *wrong, reported = 0;
     for (size_t k = 0; k < count; k++)

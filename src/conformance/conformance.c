@@ -35,8 +35,11 @@ static void check_type_on(struct check *check) {
     if (check->faults) return;
     if (check->form.exchanged && !check->active) return; /* a parameter may switch the type off */
     if (!check->found)
-        fault(check, "not exercised: update gives no element in any trial; trials have no contacts "
-                     "and no wet sides");
+        fault(check, "not exercised: update gives no element in any trial; %s",
+              type_ties_to_other(check->type)
+                  ? "the other body is a sheet 0.3 m above this one: check it with other defaults "
+                    "of its parameters, such as a larger distance"
+                  : "trials have no contacts and no wet sides");
     else if (!check->active)
         fault(check, "not exercised: no element pulls in any trial, compressed, stretched, "
                      "sheared or crumpled; check it with other defaults of its parameters, such "
