@@ -719,6 +719,12 @@ static pdyn_status solve_never(void *self, double *b, double *y, const pdyn_stop
     return s->model->services->set_error(s->model->services->core, PDYN_SOLVER_FAILED, "too hard");
 }
 
+static pdyn_status fail_silently(void *self, double *b, double *y, const pdyn_stop *stop,
+                                 int *iterations) {
+    (void)self, (void)b, (void)y, (void)stop, (void)iterations;
+    return PDYN_SOLVER_FAILED;
+}
+
 static void expect_solver(pdyn_global_solver solver, const char *expected) {
     const pdyn_global_solver *const solvers[] = {&solver, NULL};
     const pdyn_plugin plugin = {PDYN_ABI, "p", NULL, solvers};
@@ -736,6 +742,7 @@ static void test_solvers(void **state) {
     pdyn_global_solver s = plain;
     expect_solver(s, NULL);
     s.solve = solve_roughly, expect_solver(s, "H y = b has a residual of");
+    s.solve = fail_silently, expect_solver(s, "eps = 0: the linear solver failed (\"plain\")");
     s.solve = solve_by_chance, expect_solver(s, "not deterministic");
     s.solve = solve_uncounted, expect_solver(s, "0 iterations, expected 1 to");
     s.solve = solve_never, expect_solver(s, "too hard");

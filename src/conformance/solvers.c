@@ -38,7 +38,10 @@ static void solve(struct check *check, struct trial *t, double eps) {
     if (solver_view_linearise(&t->sim->model, eps) != PDYN_OK) return;
     memset(t->y, 0, (size_t)t->n * sizeof *t->y);
     memcpy(t->z, t->u, (size_t)t->n * sizeof *t->z);
-    if (t->sim->solver->solve(t->sim->solver_state, t->z, t->y, &stop, &iterations) != PDYN_OK) {
+    unsigned errors = error_count();
+    pdyn_status status =
+        t->sim->solver->solve(t->sim->solver_state, t->z, t->y, &stop, &iterations);
+    if (error_of_module(solver, status, errors) != PDYN_OK) {
         fault(check, "with %s, eps = %g: %s", solver, eps, pdyn_last_error(t->context));
         return;
     }
