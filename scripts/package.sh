@@ -52,6 +52,10 @@ install library -Dapp=false
 ! grep -E 'zlib|cmocka' "$dir/said" || { echo "the library needs CHOLMOD and jansson only" >&2; exit 1; }
 find "$prefix" ! -type d | sed "s|$prefix/||" | LC_ALL=C sort
 
+for header in include/projdyn/*; do
+    [ -f "$prefix/$header" ] || { echo "$header is not installed" >&2; exit 1; }
+done
+
 echo "== symbols"
 nm -D --defined-only "$library/libprojdyn.so" | awk '{ print $3 }' | LC_ALL=C sort >"$dir/shared"
 nm -g --defined-only "$library/libprojdyn.a" | awk 'NF == 3 { print $3 }' | LC_ALL=C sort >"$dir/static"
