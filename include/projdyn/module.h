@@ -474,7 +474,9 @@ typedef struct pdyn_constraint_type {
     double (*energy)(const void *params, const pdyn_batch *batch, int first, int last);
     /* Called at the beginning of every step with u = G x and p = G v of all elements, which it may
      * read: data may change. `weight` is called after it, and not before the first step. A step
-     * that is repeated begins again: what lasts belongs into `memory`. NULL: nothing changes. */
+     * that is repeated begins again: what lasts belongs into `memory`. Elements of a type with it
+     * are not steady (pdyn_elements): `hybrid` leaves them out of its coarse space. NULL: nothing
+     * changes. */
     void (*begin)(const void *params, const pdyn_batch *batch, int first, int last);
     /* State of elements that lasts, as plastic strain or the slip of friction. `end` is called
      * after every accepted step, with u and p of its end, and writes `memory` (memory_size bytes
