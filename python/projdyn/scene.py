@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import difflib
+import hashlib
 import json
 from ctypes import c_char_p
 from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence, Union
@@ -114,7 +115,8 @@ class Scene:
         return json.loads(self.to_text())
 
     def write(self, path: Path) -> None:
-        """Writes the scene to a file, and its arrays to files beside it."""
+        """Writes the scene to a file, and its arrays to files beside it. Their names contain a hash
+        of the arrays. Relative paths of other files are not changed: they count from the new folder."""
         self._handle.call(lib.pdyn_scene_write, path_of(path, "path"))
 
     # ---- bodies and solids ----------------------------------------------------------------------
@@ -289,10 +291,19 @@ class _Arrays(NamedTuple):
     kept: tuple[Any, ...]  # the arrays of the addresses among the arguments
 
 
+def _file(name: str, ending: str, *arrays: Optional[np.ndarray]) -> str:
+    """A name that other arrays and the files of the user do not have: write puts the arrays of
+    several scenes into one folder."""
+    digest = hashlib.blake2b(digest_size=6)
+    for array in arrays:
+        digest.update(b"" if array is None else array.tobytes())
+    return f"{name}-{digest.hexdigest()}.{ending}"
+
+
 def _mesh(name: str, vertices: Any, triangles: Any) -> _Arrays:
     x, t = doubles(vertices, (None, 3), "vertices"), indices(triangles, (None, 3), "triangles")
-    return _Arrays(f"{name}.ply", lib.pdyn_scene_mesh, (len(x), address(x), len(t), address(t)),
-                   (x, t))
+    return _Arrays(_file(name, "ply", x, t), lib.pdyn_scene_mesh,
+                   (len(x), address(x), len(t), address(t)), (x, t))
 
 
 def _shape(make: Callable[[str, Any, Any], _Arrays], name: str, vertices: Any, elements: Any,
@@ -308,14 +319,15 @@ def _shape(make: Callable[[str, Any, Any], _Arrays], name: str, vertices: Any, e
 
 def _tets(name: str, vertices: Any, tets: Any) -> _Arrays:
     x, t = doubles(vertices, (None, 3), "vertices"), indices(tets, (None, 4), "tets")
-    return _Arrays(f"{name}.msh", lib.pdyn_scene_tets, (len(x), address(x), len(t), address(t)),
-                   (x, t))
+    return _Arrays(_file(name, "msh", x, t), lib.pdyn_scene_tets,
+                   (len(x), address(x), len(t), address(t)), (x, t))
 
 
 def _particles(name: str, positions: Any, velocities: Any) -> _Arrays:
     x = doubles(positions, (None, 3), "positions")
     v = None if velocities is None else doubles(velocities, x.shape, "velocities")
-    return _Arrays(f"{name}.ply", lib.pdyn_scene_particles, (len(x), address(x), address(v)), (x, v))
+    return _Arrays(_file(name, "ply", x, v), lib.pdyn_scene_particles,
+                   (len(x), address(x), address(v)), (x, v))
 
 
 def load(path: Path, overrides: Optional[dict[str, Any]] = None, *, threads: int = 0,

@@ -3,6 +3,7 @@ import inspect
 import json
 import os
 import pathlib
+import re
 import tempfile
 import unittest
 
@@ -270,7 +271,23 @@ class Mistakes(unittest.TestCase):
         np.testing.assert_array_equal(scene.load().bodies["sheet"].x, vertices)
         with tempfile.TemporaryDirectory() as directory:
             scene.write(pathlib.Path(directory, "scene.json"))
-            self.assertEqual({"scene.json", "sheet.ply", "wall.ply"}, set(os.listdir(directory)))
+            files = sorted(re.sub("-[0-9a-f]{12}", "", file) for file in os.listdir(directory))
+            self.assertEqual(files, ["scene.json", "sheet.ply", "wall.ply"])
+
+    def test_files_of_arrays(self):
+        """Scenes in one folder keep their arrays, and so do files of the user."""
+        vertices, triangles = square()
+        with tempfile.TemporaryDirectory() as directory:
+            own = pathlib.Path(directory, "sheet.ply")
+            own.write_text("a file of the user")
+            for size in (1, 2):
+                scene = projdyn.Scene(threads=1)
+                scene.add_cloth(size * vertices, triangles, name="sheet", area_density=1)
+                scene.write(pathlib.Path(directory, f"{size}.json"))
+            for size in (1, 2):
+                sim = projdyn.load(pathlib.Path(directory, f"{size}.json"))
+                np.testing.assert_array_equal(sim.bodies["sheet"].rest, size * vertices)
+            self.assertEqual(own.read_text(), "a file of the user")
 
     def test_nul(self):
         """A text of C ends there: the rest would be left out."""
