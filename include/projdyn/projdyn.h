@@ -407,8 +407,9 @@ PDYN_API pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool
 /* Writes a frame of the current state, in place of those of its time and later. PDYN_IO_FAILED,
  * PDYN_NO_MEMORY, also of the next three functions. */
 PDYN_API pdyn_status pdyn_writer_frame(pdyn_writer *writer);
-/* Adds a row to DIR/metrics.csv, and to DIR/probes.csv in a scene with probes. Rows of later times
- * stay where a program has restored an earlier state. */
+/* Adds a row to DIR/metrics.csv, and to DIR/probes.csv in a scene with probes. info: of the last
+ * step; another one is PDYN_BAD_CALL. Rows of later times stay where a program has restored an
+ * earlier state. */
 PDYN_API pdyn_status pdyn_writer_step_sized(pdyn_writer *writer, const pdyn_step_info *info,
                                             size_t size);
 static inline pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info *info) {

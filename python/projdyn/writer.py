@@ -36,7 +36,7 @@ class Writer:
         self._start, self._is_used = lib.pdyn_time(handle.pointer), False
 
     def step(self, info: StepInfo) -> None:
-        """Writes the row of a step in metrics.csv, and a frame if the step reached one."""
+        """Writes the row of the last step in metrics.csv, and a frame if the step reached one."""
         if not isinstance(info, StepInfo):
             raise wrong_type("info", "the result of a step", info)
         self._is_used = True

@@ -400,6 +400,16 @@ class Files(unittest.TestCase):
             with self.assertRaisesRegex(projdyn.Error, "nowhere"):
                 sim.write(f"{folder}/nowhere", resume=True)
 
+    def test_steps_are_written_one_by_one(self):
+        """Probes, energies and frames of an earlier step are gone."""
+        sim = hanging_sheet(duration=0.1).load()
+        with tempfile.TemporaryDirectory() as folder, sim.write(folder) as writer:
+            infos = list(sim.run())
+            with self.assertRaisesRegex(projdyn.Error, "info: expected that of the last step, to 0.1 s, found"):
+                writer.step(infos[0])
+            writer.step(infos[-1])
+            self.assertEqual(len(pathlib.Path(folder, "metrics.csv").read_text().splitlines()), 2)
+
     def test_frames_at_any_time(self):
         """A frame replaces those of its time and later: of a step that wrote one, and after a restore."""
         def write(folder, more):

@@ -156,6 +156,10 @@ pdyn_status pdyn_writer_step_sized(pdyn_writer *writer, const pdyn_step_info *in
     pdyn_step_info known;
     if (HAS_NULL(writer, info)) return PDYN_BAD_CALL;
     sized_copy(&known, sizeof known, info, size);
+    if (known.time != writer->sim->time) /* residuals, energies and probes are those of now */
+        return bad_call(__func__,
+                        "info: expected that of the last step, to %.9g s, found one to %.9g s",
+                        writer->sim->time, known.time);
     double start = clock_ms();
     pdyn_status status = append_rows(writer, &known);
     report_step(&writer->report, writer->sim, &known);
