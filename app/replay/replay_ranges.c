@@ -101,8 +101,11 @@ static int add_frame(const struct run *run, struct part *part, struct vtk_frame 
         part->radius = estimate_radius(frame);
     vtk_frame_extend_box(&part->box, frame);
     for (int c = 0; c < part->channels; c++)
-        for (int i = 0; i < frame->count; i++)
-            part->most[c] = fmax(part->most[c], replay_value(part, frame, (enum channel)c, i));
+        for (int i = 0; i < frame->count; i++) {
+            /* without fmax, with which GCC 12 for arm64 ends with an internal error */
+            double value = replay_value(part, frame, (enum channel)c, i);
+            if (value > part->most[c]) part->most[c] = value;
+        }
     return EXIT_GOOD;
 }
 

@@ -46,7 +46,9 @@ double extent_floor(const struct pdyn_sim *sim) {
     for (int k = 0; k < 8; k++) {
         double corner[3];
         for (int a = 0; a < 3; a++) corner[a] = k >> a & 1 ? box.max[a] : box.min[a];
-        height = fmin(height, extent_height(sim, corner));
+        /* without fmin, with which GCC 12 for arm64 ends with an internal error */
+        double of_corner = extent_height(sim, corner);
+        if (of_corner < height) height = of_corner;
     }
     return height - vec3_distance(box.min, box.max);
 }
