@@ -9,7 +9,7 @@
 static const double g = 9.81; /* m/s^2 */
 
 /* Prints a message and ends the program. */
-void die(const char *format, ...) PDYN_PRINTF(1, 2);
+_Noreturn void die(const char *format, ...) PDYN_PRINTF(1, 2);
 
 /* The context of a program; 0 threads: one per core. A failure ends the program, here and below. */
 pdyn_context *make_context(int threads);

@@ -68,6 +68,7 @@ void body_ends(const pdyn_sim *sim, const struct ends *ends, double low[3], doub
 void ends_find(struct ends *ends, const pdyn_sim *sim, int body) {
     const pdyn_state s = pdyn_get_state(sim);
     const pdyn_body_info b = pdyn_get_body(sim, body);
+    if (b.count < 1) die("body %d: expected at least one point", body);
     double low = INFINITY, high = -INFINITY;
     for (int i = 0; i < b.count; i++) {
         low = fmin(low, s.x[3 * (b.first + i) + 1]);

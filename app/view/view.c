@@ -3,7 +3,7 @@
 #include "server.h"
 
 #include <stdlib.h>
-#include <unistd.h>
+#include <sys/resource.h>
 
 static const char usage[] =
     "Usage: projdyn view SCENE [OPTIONS]\n"
@@ -38,7 +38,8 @@ static bool accept_option(void *self, int option) {
 static int view(const struct view_options *o) {
     struct live live;
     char *page = NULL;
-    nice(YIELDING); /* the threads of the simulation inherit it */
+    /* the threads of the simulation inherit it */
+    setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + YIELDING);
     int code = live_open(&live, &o->scene, &page);
     if (code == EXIT_GOOD) code = server_run(&live, page, &o->server);
     live_close(&live);
