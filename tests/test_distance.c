@@ -30,7 +30,9 @@ static double sampled_distance(const struct pair_kind *kind, double (*x)[3], int
             double face[4] = {1.0, -1.0 + s + t * (1.0 - s), -s, -t * (1.0 - s)};
             double edges[4] = {1.0 - s, s, t - 1.0, -t};
             for (int k = 0; k < 4; k++) vec3_add(u, kind->first == 1 ? face[k] : edges[k], x[k]);
-            best = fmin(best, vec3_length(u));
+            /* without fmin, with which GCC 12 for arm64 ends with an internal error */
+            double distance = vec3_length(u);
+            if (distance < best) best = distance;
         }
     return best;
 }

@@ -98,7 +98,9 @@ static double miss_of_particles(const pdyn_sim *sim, double weight) {
     for (int k = 0; k < 3 * objective->particles; k++) {
         double due =
             objective_inertia(objective, k / 3) * (sim->x[k] - objective->s[k]) - sim->gradient[k];
-        worst = fmax(worst, fabs(sum[k] - due) / weight);
+        /* without fmax, with which GCC 12 for arm64 ends with an internal error */
+        double missed = fabs(sum[k] - due) / weight;
+        if (missed > worst) worst = missed;
     }
     free(force);
     return worst;
