@@ -10,9 +10,11 @@
 
 typedef double v4 __attribute__((vector_size(32)));
 
-/* Sanitizers do not support the loader's choice between versions of a function. For valgrind, which
- * does not know all instructions of the wide versions, build with -Dc_args=-DSIMD_PLAIN. */
-#if !defined(__x86_64__) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+/* Sanitizers do not support the loader's choice between versions of a function. A build for one
+ * processor (-march=native) cannot inline its functions into versions for others. For valgrind,
+ * which does not know all instructions of the wide versions, build with -Dc_args=-DSIMD_PLAIN. */
+#if !defined(__x86_64__) || defined(__AVX2__) || defined(__SANITIZE_ADDRESS__) ||                  \
+    defined(__SANITIZE_THREAD__)
 #define SIMD_PLAIN
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
