@@ -491,8 +491,33 @@ static void test_thickness_first(void **state) {
     pdyn_destroy(context);
 }
 
+#define CUBE_FACES "f 1 2 3 4\nf 2 1 5 6\nf 3 2 6 7\nf 4 3 7 8\nf 1 4 8 5\n"
+#define FILLED(cell)                                                                               \
+    SCENE(STEPS,                                                                                   \
+          "{'name': 'spire', 'volume': {'mesh': 'mesh.obj', 'cell': " cell ", 'density': 1000}, "  \
+          "'constraints': [{'type': 'tet', 'stiffness': 1e5}]}",                                   \
+          "")
+
+/* A cube of 0.2 m below a spire of 0.8 m: cells of 0.05 m fill 98 % and miss its point. */
+static void test_spire(void **state) {
+    (void)state;
+    static const char cube[] = "v 0 0 0\nv 0.2 0 0\nv 0.2 0 0.2\nv 0 0 0.2\n"
+                               "v 0 0.2 0\nv 0.2 0.2 0\nv 0.2 0.2 0.2\nv 0 0.2 0.2\n";
+    static const char *const top[] = {"v 0.1 1 0.1\n", "f 5 9 6\nf 6 9 7\nf 7 9 8\nf 8 9 5\n"};
+    char text[512];
+    snprintf(text, sizeof text, "%s%s" CUBE_FACES "%s", cube, top[0], top[1]);
+    test_write_text("mesh.obj", text);
+    assert_true(warns(FILLED("0.05"), "coarse", "spire"));
+    assert_false(warns(FILLED("0.01"), "coarse", "spire"));
+    snprintf(text, sizeof text, "%s" CUBE_FACES "f 8 7 6 5\n", cube);
+    test_write_text("mesh.obj", text);
+    assert_false(warns(FILLED("0.05"), "coarse", "spire"));
+    test_remove_file("mesh.obj");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_spire),
         cmocka_unit_test(test_saved),
         cmocka_unit_test(test_long_name),
         cmocka_unit_test(test_fallen),

@@ -1,10 +1,25 @@
 #include "filled_mesh.h"
 
 #include "file_ref.h"
+#include "geometry/mesh_query.h"
 #include "params.h"
 
 #include <math.h>
 #include <string.h>
+
+/* Counts the vertices of body->skin that are farther from all tetrahedra than a cell and a
+ * twentieth of the body: the tip of a needle is so in cells of any size, but then it is short. */
+static pdyn_status count_missed(pdyn_context *context, double cell, struct scene_body *body) {
+    struct mesh_query outside;
+    struct box bounds = box_around(body->skin.vertex, body->skin.vertices);
+    double far = fmax(cell, 0.05 * box_extent(&bounds));
+    pdyn_status status = mesh_query_create(context, &body->mesh, &outside);
+    if (status != PDYN_OK) return status;
+    for (int i = 0; i < body->skin.vertices; i++)
+        body->missed += !mesh_query_is_close(&outside, body->skin.vertex + 3 * (size_t)i, far);
+    mesh_query_free(context, &outside);
+    return PDYN_OK;
+}
 
 /* Fills the closed mesh body->skin, in its place, and says how well the tetrahedra fit. */
 static pdyn_status fill(pdyn_context *context, double cell, struct scene_body *body) {
@@ -21,8 +36,9 @@ static pdyn_status fill(pdyn_context *context, double cell, struct scene_body *b
     double volume = mesh_volume(surface->triangles, surface->triangle, surface->vertex);
     if (volume < 0.0) mesh_turn(surface);
     body->filled = filled / fabs(volume);
-    return tets_count_small(context, &body->mesh, &body->tets, 8.0 * cell * cell * cell,
-                            &body->crumbs);
+    status = tets_count_small(context, &body->mesh, &body->tets, 8.0 * cell * cell * cell,
+                              &body->crumbs);
+    return status == PDYN_OK ? count_missed(context, cell, body) : status;
 }
 
 pdyn_status filled_mesh_read(const struct json_at *at, const struct json_at *cell_at,

@@ -8,7 +8,7 @@
 #include "transform.h"
 
 /* Reads the mesh at `at`, places it, and fills it with tetrahedra of the size at `cell`: sets mesh,
- * tets, filled and crumbs of the body. */
+ * tets, filled, crumbs and missed of the body. */
 pdyn_status filled_mesh_read(const struct json_at *at, const struct json_at *cell,
                              const struct transform *transform, struct scene_body *body);
 

@@ -100,6 +100,7 @@ struct scene_body {
     struct tets tets; /* of a volume, whose surface is `mesh` */
     double filled; /* volume of the tetrahedra over that of the mesh they fill; 0: another source */
     int crumbs;    /* loose pieces of these, each smaller than 8 cells */
+    int missed;    /* vertices of `skin` that are far from them */
     struct mesh skin; /* the mesh that "cell" replaced, for pictures, m; no vertices: none */
     struct point_list start, start_v; /* particles: initial positions, m, and velocities, m/s */
     int fills;                        /* volumes of "fill" */

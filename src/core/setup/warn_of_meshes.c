@@ -186,6 +186,11 @@ static void check_filled(struct pdyn_sim *sim, int b) {
         WARN(sim, COARSE, body->name,
              "its cells fill %.2g %% of its mesh: parts thinner than \"cell\" are missing",
              100.0 * body->filled);
+    else if (body->missed)
+        WARN(sim, COARSE, body->name,
+             "%d of the %d vertices of its mesh are more than a cell away from the cells that fill "
+             "it: parts thinner than \"cell\" are missing",
+             body->missed, body->skin.vertices);
 }
 
 static void check_thickness(struct pdyn_sim *sim, int b) {
