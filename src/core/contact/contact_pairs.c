@@ -208,10 +208,9 @@ static pdyn_status too_many(const struct contact *c, long limit) {
     return set_error(
         PDYN_NO_MEMORY,
         "contact: more than %ld pairs of a vertex and a triangle, or of two edges, most of them of "
-        "\"%s\", can come closer than the thickness of %g m; so many take about %.2g GB, and there "
-        "are %.2g GB: expected a smaller \"thickness\" or coarser meshes",
-        limit, most_pairs(c), c->settings->thickness, (double)limit * pair_memory * 1e-9,
-        machine_memory() * 1e-9);
+        "\"%s\", can come closer than the thickness of %g m; there is no room for more than these, "
+        "which take %.2g GB: expected a smaller \"thickness\" or coarser meshes",
+        limit, most_pairs(c), c->settings->thickness, (double)limit * pair_memory * 1e-9);
 }
 
 /* Makes room for `count` pairs; those in the list stay. PDYN_NO_MEMORY: nothing has changed. */
