@@ -101,6 +101,21 @@ static void test_rounding(void **state) {
     test_close(sim);
 }
 
+/* A stiff plate at rest in weightlessness, far from the origin: rounding makes its bending energy
+ * negative, and it stays where it is. */
+static void test_plate_at_rest(void **state) {
+    (void)state;
+    pdyn_sim *sim = test_open(SCENE(
+        WEIGHTLESS,
+        "{'name': 'plate', 'surface': {'grid': {'size': [3, 0.3], 'vertices': [13, 13]}, "
+        "'rotate': [35, 42, -167], 'translate': [0, 4, 0], 'area_density': 60}, 'constraints': "
+        "[{'type': 'triangle', 'stretching_stiffness': 3e6}, "
+        "{'type': 'bending', 'bending_rigidity': 1e6}]}",
+        ""));
+    for (int n = 0; n < 3; n++) assert_true(test_step(sim).kinetic_energy < 1e-6);
+    test_close(sim);
+}
+
 /* Steps with this kinetic energy, J, as the energy budget sees them. */
 static void give_energy(pdyn_sim *sim, int steps, double kinetic) {
     pdyn_step_info info = {.kinetic_energy = kinetic};
@@ -175,13 +190,10 @@ static void test_gain_after_path(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_overlap),
-        cmocka_unit_test(test_stretched),
-        cmocka_unit_test(test_touching),
-        cmocka_unit_test(test_bat),
-        cmocka_unit_test(test_rounding),
-        cmocka_unit_test(test_gain_after_loss),
-        cmocka_unit_test(test_gain_after_release),
+        cmocka_unit_test(test_overlap),         cmocka_unit_test(test_stretched),
+        cmocka_unit_test(test_touching),        cmocka_unit_test(test_bat),
+        cmocka_unit_test(test_rounding),        cmocka_unit_test(test_plate_at_rest),
+        cmocka_unit_test(test_gain_after_loss), cmocka_unit_test(test_gain_after_release),
         cmocka_unit_test(test_gain_after_path),
     };
     return cmocka_run_group_tests_name("energy_budget", tests, NULL, NULL);
