@@ -1,5 +1,6 @@
 /* Directories of jobs: the key that names them, status and lock (jobs.h shows the layout). */
 #include "job_directory.h"
+#include "job_inputs.h"
 #include "read_file.h"
 
 #include <dirent.h>
@@ -27,20 +28,41 @@ bool job_path(char path[JOB_PATH], const struct jobs *jobs, const struct job *jo
     return false;
 }
 
-/* FNV-1a over a text and an end mark (0xff), so that "ab" + "c" and "a" + "bc" differ. */
-static uint64_t hash_text(uint64_t hash, const char *text, size_t length) {
-    for (size_t k = 0; k <= length; k++)
-        hash = (hash ^ (k < length ? (unsigned char)text[k] : 0xff)) * 0x100000001b3u;
+/* The files that the value of an override PATH=VALUE names. */
+static uint64_t hash_override_files(uint64_t hash, const char *scene, const char *override) {
+    const char *text = strchr(override, '=');
+    if (!text) return hash;
+    json_t *value = json_loads(text + 1, JSON_DECODE_ANY, NULL);
+    if (!value) value = json_string(text + 1);
+    hash = hash_named_files(hash, scene, value);
+    json_decref(value);
     return hash;
 }
 
-/* scene, size: content of the scene file */
-static void compute_key(const struct jobs *jobs, const char *scene, size_t size, struct job *job) {
-    uint64_t hash = hash_text(0xcbf29ce484222325u, scene, size);
-    for (int k = 0; k < jobs->scene.plugins; k++)
-        hash = hash_text(hash, jobs->scene.plugin[k], strlen(jobs->scene.plugin[k]));
-    hash = hash_text(hash, pdyn_version(), strlen(pdyn_version()));
-    for (int k = 0; k < job->sets; k++) hash = hash_text(hash, job->set[k], strlen(job->set[k]));
+/* The hash of what all jobs have. */
+static int hash_jobs(const struct jobs *jobs, uint64_t *hash) {
+    char *text;
+    size_t size;
+    int code = read_file(jobs->scene.scene, &text, &size);
+    if (code != EXIT_GOOD) return code;
+    *hash = hash_text(hash_start, text, size);
+    json_t *scene = json_loadb(text, size, 0, NULL);
+    *hash = hash_named_files(*hash, jobs->scene.scene, scene);
+    json_decref(scene);
+    free(text);
+    for (int k = 0; k < jobs->scene.plugins; k++) {
+        const char *path = jobs->scene.plugin[k];
+        *hash = hash_file(hash_text(*hash, path, strlen(path)), path);
+    }
+    *hash = hash_text(*hash, pdyn_version(), strlen(pdyn_version()));
+    return EXIT_GOOD;
+}
+
+static void compute_key(const struct jobs *jobs, uint64_t hash, struct job *job) {
+    for (int k = 0; k < job->sets; k++) {
+        hash = hash_text(hash, job->set[k], strlen(job->set[k]));
+        hash = hash_override_files(hash, jobs->scene.scene, job->set[k]);
+    }
     if (job->frames) hash = hash_text(hash, "", 0);
     if (job->limit_s > 0.0) {
         int length = snprintf(job->key, sizeof job->key, "%.9g", job->limit_s);
@@ -59,14 +81,12 @@ int job_update_status(const struct jobs *jobs, struct job *job) {
 }
 
 int jobs_find_finished(struct jobs *jobs) {
-    char *scene;
-    size_t size;
-    int code = read_file(jobs->scene.scene, &scene, &size);
+    uint64_t hash;
+    int code = hash_jobs(jobs, &hash);
     for (long k = 0; code == EXIT_GOOD && k < jobs->count; k++) {
-        compute_key(jobs, scene, size, &jobs->job[k]);
+        compute_key(jobs, hash, &jobs->job[k]);
         code = job_update_status(jobs, &jobs->job[k]);
     }
-    free(scene);
     return code;
 }
 

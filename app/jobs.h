@@ -20,7 +20,8 @@ struct job {
     int sets;
     bool frames;    /* write frames */
     double limit_s; /* processor time after which the job is killed; 0: no limit */
-    /* Directory name: 64-bit hash of scene, plug-ins, version, overrides, frames and limit. */
+    /* Directory name: 64-bit hash of scene, plug-ins, files that these name, version, overrides,
+     * frames and limit. */
     char key[JOB_KEY];
     enum job_status status;
 };

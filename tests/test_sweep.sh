@@ -84,6 +84,28 @@ check "a run that fails" ends 1 "2 of 4 runs failed" bad
 check "is recorded with its error" grep -q '^-1,"\[0, -1, 0\]",bad input,"--set duration=-1: duration: expected' bad/sweep.csv
 check "the others are good" test "$(grep -c ',good,' bad/sweep.csv)" = 2
 
+# A changed file makes other runs: a mesh of the scene, and one that a setting names.
+mkdir files
+tetrahedron() { # SIZE
+    printf 'v 0 0 0\nv %s 0 0\nv 0 %s 0\nv 0 0 %s\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' "$1" "$1" "$1"
+}
+tetrahedron 1 >files/one.obj
+tetrahedron 2 >files/two.obj
+cat >files/scene.json <<'SCENE'
+{"duration": 0.01, "frame_interval": 0.01, "bodies": [{"name": "body", "rigid": {"mesh": "one.obj", "density": 500}}]}
+SCENE
+meshes() { "$program" sweep files/scene.json --set bodies.body.rigid.mesh=one.obj,two.obj -o meshes; }
+again() { meshes | grep -c '^[0-9]*/2 '; }
+one() { "$program" sweep files/scene.json --set gravity='[0,-1,0]' -o one | grep -c '^[0-9]*/1 '; }
+check "meshes of settings" test "$(again)" = 2
+check "the same meshes" test "$(again)" = 0
+tetrahedron 3 >files/two.obj
+check "one has changed" test "$(again)" = 1
+check "a mesh of the scene" test "$(one)" = 1
+tetrahedron 4 >files/one.obj
+check "has changed" test "$(one)" = 1
+check "and not again" test "$(one)" = 0
+
 # --time is the duration of all runs.
 brief() { "$program" sweep "$scene" --time "$1" --set solver.tolerance=0.1,0.2 -o brief; }
 check "a time" brief 0.015
