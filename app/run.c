@@ -250,9 +250,12 @@ static int close_output(pdyn_context *context, pdyn_writer *writer, const struct
     int code = status == PDYN_OK ? EXIT_GOOD : report_status(context, status);
     char failure[2048]; /* a copy, because pdyn_writer_report() may replace the text */
     snprintf(failure, sizeof failure, "%s", pdyn_last_error(context));
-    pdyn_status written =
-        pdyn_writer_report(writer, o->report, interrupted, status == PDYN_OK ? NULL : failure);
+    const char *failed = status == PDYN_OK ? NULL : failure;
+    pdyn_status written = pdyn_writer_report(writer, o->report, interrupted, failed);
     if (written != PDYN_OK) code = report_status(context, written);
+    if (written != PDYN_OK && o->report &&
+        pdyn_writer_report(writer, NULL, interrupted, failed) == PDYN_OK)
+        fprintf(stderr, "projdyn: note: the report is in %s/report.json\n", o->output);
     written = pdyn_writer_save(writer);
     if (written != PDYN_OK) code = report_status(context, written);
     pdyn_writer_close(writer);

@@ -197,6 +197,8 @@ else
 fi
 expect "the report is there" 0 '"state_hash"' cat "$dir/out/report.json"
 expect "full disk" 1 "/dev/full" "$program" run "$scene" -o "$dir/out" --time 0.02 --report /dev/full
+expect "a report that cannot be written is in the output" 1 "the report is in $dir/out/report.json" \
+    "$program" run "$scene" -o "$dir/out" --time 0.02 --report "$dir/nowhere/report.json"
 if unshare -rm true 2>/dev/null && unshare -rm mount -t tmpfs none "$dir" 2>/dev/null; then
     mkdir "$dir/small"
     # what is left in it is looked at inside: the mount ends with its name space
