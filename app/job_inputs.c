@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 enum { PATH_SIZE = 4096 };
@@ -27,13 +28,27 @@ uint64_t hash_file(uint64_t hash, const char *path) {
     return hash;
 }
 
+/* A file that a scene names. A mesh of TetGen has two files, of which the scene names one. */
+static uint64_t hash_mesh(uint64_t hash, const char *path) {
+    static const char *const pair[] = {".node", ".ele"};
+    char file[PATH_SIZE + 8];
+    const char *ending = strrchr(path, '.');
+    if (!ending || (strcasecmp(ending, pair[0]) && strcasecmp(ending, pair[1])))
+        return hash_file(hash, path);
+    for (int k = 0; k < 2; k++) {
+        snprintf(file, sizeof file, "%.*s%s", (int)(ending - path), path, pair[k]);
+        hash = hash_file(hash, file);
+    }
+    return hash;
+}
+
 /* A file that the text names, from the folder of the scene file. */
 static uint64_t hash_named(uint64_t hash, const char *scene, const char *text) {
     char path[PATH_SIZE];
     const char *slash = strrchr(scene, '/');
     int folder = slash && *text != '/' ? (int)(slash - scene) + 1 : 0;
     int length = snprintf(path, sizeof path, "%.*s%s", folder, scene, text);
-    return length < PATH_SIZE ? hash_file(hash, path) : hash;
+    return length < PATH_SIZE ? hash_mesh(hash, path) : hash;
 }
 
 uint64_t hash_named_files(uint64_t hash, const char *scene, const json_t *value) {

@@ -105,6 +105,15 @@ check "a mesh of the scene" test "$(one)" = 1
 tetrahedron 4 >files/one.obj
 check "has changed" test "$(one)" = 1
 check "and not again" test "$(one)" = 0
+printf '4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n' >files/tets.node
+printf '1 4 0\n0 0 1 2 3\n' >files/tets.ele
+cat >files/scene.json <<'SCENE'
+{"duration": 0.01, "frame_interval": 0.01, "bodies": [{"name": "body", "volume": {"mesh": "tets.node", "density": 500}}]}
+SCENE
+check "a mesh of two files" test "$(one)" = 1
+printf '1 4 0\n0 1 2 0 3\n' >files/tets.ele
+check "the second one has changed" test "$(one)" = 1
+check "and neither again" test "$(one)" = 0
 
 # --time is the duration of all runs.
 brief() { "$program" sweep "$scene" --time "$1" --set solver.tolerance=0.1,0.2 -o brief; }
