@@ -509,7 +509,7 @@ static void test_spire(void **state) {
     test_write_text("mesh.obj", text);
     assert_true(warns(FILLED("0.05"), "coarse", "spire"));
     assert_false(warns(FILLED("0.01"), "coarse", "spire"));
-    snprintf(text, sizeof text, "%s" CUBE_FACES "f 8 7 6 5\n", cube);
+    snprintf(text, sizeof text, "%sv 0 5 0\n" CUBE_FACES "f 8 7 6 5\n", cube); /* no corner */
     test_write_text("mesh.obj", text);
     assert_false(warns(FILLED("0.05"), "coarse", "spire"));
     test_remove_file("mesh.obj");

@@ -7,18 +7,33 @@
 #include <math.h>
 #include <string.h>
 
-/* Counts the vertices of body->skin that are farther from all tetrahedra than a cell and a
- * twentieth of the body: the tip of a needle is so in cells of any size, but then it is short. */
-static pdyn_status count_missed(pdyn_context *context, double cell, struct scene_body *body) {
+/* Counts the corners of body->skin that are farther from all tetrahedra than a cell and a twentieth
+ * of the body: the tip of a needle is so in cells of any size, but then it is short. corner: of its
+ * vertices, whether a triangle has them; others are left out. */
+static pdyn_status find_missed(pdyn_context *context, double cell, struct scene_body *body,
+                               bool *corner) {
+    const struct mesh *skin = &body->skin;
     struct mesh_query outside;
-    struct box bounds = box_around(body->skin.vertex, body->skin.vertices);
+    struct box bounds = box_empty;
+    for (int k = 0; k < 3 * skin->triangles; k++) {
+        corner[skin->triangle[k]] = true;
+        box_add(&bounds, skin->vertex + 3 * (size_t)skin->triangle[k]);
+    }
     double far = fmax(cell, 0.05 * box_extent(&bounds));
     pdyn_status status = mesh_query_create(context, &body->mesh, &outside);
     if (status != PDYN_OK) return status;
-    for (int i = 0; i < body->skin.vertices; i++)
-        body->missed += !mesh_query_is_close(&outside, body->skin.vertex + 3 * (size_t)i, far);
+    for (int i = 0; i < skin->vertices; i++)
+        body->missed +=
+            corner[i] && !mesh_query_is_close(&outside, skin->vertex + 3 * (size_t)i, far);
     mesh_query_free(context, &outside);
     return PDYN_OK;
+}
+
+static pdyn_status count_missed(pdyn_context *context, double cell, struct scene_body *body) {
+    bool *corner = NEW_ARRAY(context, body->skin.vertices, bool);
+    pdyn_status status = corner ? find_missed(context, cell, body, corner) : PDYN_NO_MEMORY;
+    FREE_ARRAY(context, corner, body->skin.vertices);
+    return status;
 }
 
 /* Fills the closed mesh body->skin, in its place, and says how well the tetrahedra fit. */
