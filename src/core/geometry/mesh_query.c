@@ -46,7 +46,7 @@ static void visit_close(void *user, int t) {
     double c[4];
     mesh_corners(s->query->mesh, t, corner);
     const double *const points[4] = {s->x, corner[0], corner[1], corner[2]};
-    s->found |= closest_vertex_face(points, c) < s->square;
+    s->found = s->found || closest_vertex_face(points, c) < s->square;
 }
 
 bool mesh_query_is_close(const struct mesh_query *query, const double x[3], double distance) {
