@@ -1,6 +1,6 @@
 #include "job_inputs.h"
 
-#include "app.h"
+#include "jobs.h"
 #include "read_file.h"
 
 #include <stdio.h>
@@ -8,8 +8,6 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
-
-enum { PATH_SIZE = 4096 };
 
 uint64_t hash_text(uint64_t hash, const char *text, size_t length) {
     for (size_t k = 0; k <= length; k++)
@@ -31,7 +29,7 @@ uint64_t hash_file(uint64_t hash, const char *path) {
 /* A file that a scene names. A mesh of TetGen has two files, of which the scene names one. */
 static uint64_t hash_mesh(uint64_t hash, const char *path) {
     static const char *const pair[] = {".node", ".ele"};
-    char file[PATH_SIZE + 8];
+    char file[JOB_PATH + 8];
     const char *ending = strrchr(path, '.');
     if (!ending || (strcasecmp(ending, pair[0]) && strcasecmp(ending, pair[1])))
         return hash_file(hash, path);
@@ -44,11 +42,11 @@ static uint64_t hash_mesh(uint64_t hash, const char *path) {
 
 /* A file that the text names, from the folder of the scene file. */
 static uint64_t hash_named(uint64_t hash, const char *scene, const char *text) {
-    char path[PATH_SIZE];
+    char path[JOB_PATH];
     const char *slash = strrchr(scene, '/');
     int folder = slash && *text != '/' ? (int)(slash - scene) + 1 : 0;
     int length = snprintf(path, sizeof path, "%.*s%s", folder, scene, text);
-    return length < PATH_SIZE ? hash_mesh(hash, path) : hash;
+    return length < JOB_PATH ? hash_mesh(hash, path) : hash;
 }
 
 uint64_t hash_named_files(uint64_t hash, const char *scene, const json_t *value) {

@@ -392,10 +392,10 @@ def check_counts(result):
 def check_energy(result):
     """The energy of a closed scene falls. It may rise by 5 % of the energy in motion, and where a step is unsolved."""
     scene = result.scene
-    start = result.report["energy"]["start"]
     if scene.open_system or ("energy", "") in result.warnings:
         return
     parts = zip(*map(result.column, ["kinetic_J", "potential_J", "constraint_J", "step_residual"]))
+    start = result.report["energy"]["start"]
     lowest, largest = start["total"], start["kinetic"] + start["constraint"]
     for number, (kinetic, potential, stored, residual) in enumerate(parts, 1):
         total = kinetic + potential + stored

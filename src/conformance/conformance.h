@@ -67,8 +67,7 @@ struct trial_scene {
 };
 /* Loads it. */
 pdyn_status trial_load(pdyn_context *context, const struct trial_scene *scene, pdyn_sim **out);
-/* Whether a parameter of the type, which is true or false, has not its default in the check's form.
- */
+/* Whether the check's form exchanges a parameter of the type that is true or false. */
 bool trial_exchanges(const struct check *check, const pdyn_constraint_type *type,
                      const pdyn_param *param);
 /* Whether the parameters of the check's form are refused, by a rule of the type or of the scene. */

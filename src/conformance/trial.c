@@ -22,7 +22,7 @@ static void describe(const struct check *check, char *text, size_t size) {
 }
 
 void fault(struct check *check, const char *format, ...) {
-    char what[768], text[1024], trial[128] = "";
+    char what[768], text[1280], trial[256] = "";
     va_list args;
     va_start(args, format);
     vsnprintf(what, sizeof what, format, args);

@@ -81,8 +81,9 @@ static void write_bool(char *text, const struct trial_scene *scene, const pdyn_p
                     usual != exchanged ? "true" : "false");
 }
 
-/* Writes the constraint: the required parameters, those that are true or false and have not their
- * default, and real ones whose default lies within the bounds (others have no default). */
+/* Writes the constraint with these parameters: those that are required, those that are true or
+ * false where the trial exchanges them, and real ones whose default lies within the bounds (others
+ * have no default). */
 static void write_constraint(char *text, const struct trial_scene *scene) {
     text_append(text, TRIAL_TEXT, "\"constraints\": [{\"type\": \"%s\"", scene->type->name);
     for (const pdyn_param *p = scene->type->params; p->name; p++) {

@@ -258,7 +258,7 @@ static void set_frame(struct rigid_body *b) {
     for (int a = 0; a < RIGID_POINTS; a++) vec3_multiply(b->frame[a], inverse, r[a]);
 }
 
-/* Of particle i, in the mean over three directions. */
+/* The effective mass of particle i: 1 over the mean of its mobility along three directions. */
 static double mass_at(const struct rigid_body *b, int i) {
     double sum = 0.0;
     for (int a = 0; a < 3; a++) {

@@ -145,7 +145,7 @@ static bool is_tied(const struct scene_body *body, const pdyn_body *other) {
     for (int k = 0; k < body->constraints; k++) {
         const struct scene_constraint *c = &body->constraint[k];
         for (const pdyn_param *p = c->type->params; p->name; p++)
-            if (param_other(p, c->params) && param_other(p, c->params)->body == other) return true;
+            if (param_body(p, c->params) == other) return true;
     }
     return false;
 }
