@@ -168,26 +168,17 @@ static pdyn_range_fn *apply_of(const struct batch *b) {
 
 void rows_multiply(struct batch *b, const double *u) { rows_for_elements(b, apply_of(b), u); }
 
-/* The part of m m' + a I between two rows with the parts m and n of m; a: 0 unless they are the
- * same. */
-static void block_of_axis(const double *m, const double *n, double a, double B[9]) {
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) B[3 * i + j] = m[i] * n[j] + (i == j ? a : 0.0);
-}
-
 void batch_block(const struct batch *b, int k, int m, double B[9]) {
-    int e = b->entry_element[k], r0 = b->view.element_row[e],
-        n = 3 * (b->view.element_row[e + 1] - r0);
-    bool same = b->entry_row[k] == b->entry_row[m], blocks = batch_has_blocks(b);
-    const double *own = blocks ? b->block + b->block_start[e] : NULL;
-    if (blocks && b->type->tangent_rank1) {
-        block_of_axis(own + 3 * (b->entry_row[k] - r0), own + 3 * (b->entry_row[m] - r0),
-                      same ? own[n] : 0.0, B);
-        return;
-    }
-    const double *from =
-        blocks ? own + 3 * (b->entry_row[k] - r0) * n + 3 * (b->entry_row[m] - r0) : NULL;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            B[3 * i + j] = from ? from[i * n + j] : same && i == j ? b->view.weight[e] : 0.0;
+    int e = b->entry_element[k], first = b->view.element_row[e];
+    int row = 3 * (b->entry_row[k] - first), column = 3 * (b->entry_row[m] - first);
+    int n = 3 * (b->view.element_row[e + 1] - first);
+    const double *own = batch_has_blocks(b) ? b->block + b->block_start[e] : NULL;
+    for (int i = row; i < row + 3; i++)
+        for (int j = column; j < column + 3; j++) {
+            double part = 0.0;
+            if (!own) part = i == j ? b->view.weight[e] : 0.0; /* w I */
+            else if (!b->type->tangent_rank1) part = own[i * n + j];
+            else part = own[i] * own[j] + (i == j ? own[n] : 0.0); /* m m' + a I */
+            B[3 * (i - row) + j - column] = part;
+        }
 }
