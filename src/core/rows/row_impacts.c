@@ -60,31 +60,35 @@ static double softness_at(const struct batch *b, int r, int k, const struct velo
     return sum;
 }
 
-/* Replaces the flux of each row by its impact part. As in one_sided.c, the change of velocity is
- * the larger of two: by this row alone, and by all rows, because the contacts of a point share the
- * force that stops it. */
-static void compute_impacts(void *arg, int first, int last, int block) {
+/* The part of the force of row r that stops an impact. As in one_sided.c, the change of velocity
+ * is the larger of two: by this row alone, and by all rows, because the contacts of a point share
+ * the force that stops it. */
+static double impact_of(const struct batch *b, int r, const struct velocity_change *change,
+                        const v4 *flux) {
+    const pdyn_batch *v = &b->view;
+    v4 slowed, acceleration;
+    double force = sqrt(v4_dot(flux, flux)), softness = 0.0, h = change->h;
+    if (!(force > 0.0)) return 0.0;
+    gather_row(b, r, change->slowed, &slowed);
+    gather_row(b, r, change->acceleration, &acceleration);
+    const double n[3] = {(*flux)[0] / force, (*flux)[1] / force, (*flux)[2] / force};
+    for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
+        softness += softness_at(b, r, k, change, n);
+    double weight = v->weight[b->entry_element[v->row_entry[r]]];
+    double all = v4_dot(flux, &acceleration) / force;
+    double stopped = v4_dot(flux, &slowed) / force + rate_by_turn(b, r, change, flux, &slowed);
+    return impact_part(stopped, h * fmax(all, force * softness), h * h * weight * softness);
+}
+
+/* Replaces the flux of each row by its impact part. */
+static void keep_impact_parts(void *arg, int first, int last, int block) {
     const struct impacts *c = arg;
     struct batch *b = c->batch;
-    const pdyn_batch *v = &b->view;
-    double count = 0.0, h = c->change->h;
-    for (int r = v->element_row[first]; r < v->element_row[last]; r++) {
-        v4 flux, slowed, acceleration;
-        double softness = 0.0, part = 0.0;
+    double count = 0.0;
+    for (int r = b->view.element_row[first]; r < b->view.element_row[last]; r++) {
+        v4 flux;
         v4_load(&flux, b->flux, r);
-        gather_row(b, r, c->change->slowed, &slowed);
-        gather_row(b, r, c->change->acceleration, &acceleration);
-        double force = sqrt(v4_dot(&flux, &flux));
-        if (force > 0.0) {
-            const double n[3] = {flux[0] / force, flux[1] / force, flux[2] / force};
-            for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
-                softness += softness_at(b, r, k, c->change, n);
-            double weight = v->weight[b->entry_element[v->row_entry[r]]];
-            double all = v4_dot(&flux, &acceleration) / force;
-            double stopped =
-                v4_dot(&flux, &slowed) / force + rate_by_turn(b, r, c->change, &flux, &slowed);
-            part = impact_part(stopped, h * fmax(all, force * softness), h * h * weight * softness);
-        }
+        double part = impact_of(b, r, c->change, &flux);
         flux *= part;
         v4_store(b->flux, r, &flux);
         count += part > 0.5;
@@ -115,7 +119,7 @@ void rows_scatter_between(const struct batch *b, double *y) {
 int rows_impacts(struct batch *b, const struct velocity_change *change, double *force) {
     struct impacts impacts = {b, change};
     double count = 0.0;
-    pool_for(b->context->pool, b->view.elements, b->grain, compute_impacts, &impacts);
+    pool_for(b->context->pool, b->view.elements, b->grain, keep_impact_parts, &impacts);
     for (int k = 0; k < pool_blocks(b->view.elements, b->grain); k++) count += b->partial[k];
     rows_scatter(b, force);
     return (int)count;
