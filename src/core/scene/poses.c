@@ -41,12 +41,6 @@ static void rotated_axes(const struct transform *t, double axes[9]) {
     transform_directions(t, axes, 3);
 }
 
-void pose_rotation(const struct pose *pose, double R[9]) {
-    double axes[9];
-    rotated_axes(&pose->at, axes);
-    for (int k = 0; k < 9; k++) R[k] = axes[3 * (k % 3) + k / 3];
-}
-
 void pose_place(const struct scene_motion *motion, const double *rest, int count, double time,
                 double *x) {
     struct pose pose = pose_at(motion, time);

@@ -13,9 +13,6 @@ struct pose {
 /* The pose at `time`, s: linear between keys, constant before the first and after the last one. */
 struct pose pose_at(const struct scene_motion *motion, double time);
 
-/* The rotation of a pose: a matrix, row by row. */
-void pose_rotation(const struct pose *pose, double R[9]);
-
 /* Computes the positions x, count x 3, m, at `time`, s, of points that lie at `rest`, m, without
  * the motion. x may be `rest`. */
 void pose_place(const struct scene_motion *motion, const double *rest, int count, double time,

@@ -26,7 +26,7 @@ static void find_pose(const struct pdyn_sim *sim, const struct scene_probe *prob
     }
     struct pose pose = pose_at(&sim->scene.solid[probe->on_solid].motion, sim->time);
     memcpy(at, pose.at.translate, sizeof pose.at.translate);
-    pose_rotation(&pose, R);
+    vec3_rotation(R, pose.at.rotate);
 }
 
 void probe_place_start(const struct pdyn_sim *sim, const struct scene_probe *probe, double *x,

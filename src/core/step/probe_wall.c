@@ -46,7 +46,7 @@ static void turn_normal(struct wall *wall, const struct boundary_point *point, d
     if (!motion->keys) return;
     if (wall->solid != point->solid) {
         struct pose pose = pose_at(motion, wall->sim->time);
-        pose_rotation(&pose, wall->R);
+        vec3_rotation(wall->R, pose.at.rotate);
         wall->solid = point->solid;
     }
     vec3_multiply(normal, wall->R, point->normal);
