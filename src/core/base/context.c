@@ -28,11 +28,11 @@ const char *pdyn_status_text(pdyn_status status) {
     return "unknown status";
 }
 
+/* Bytes of a cache line: a SIMD load of aligned data touches a single line. */
+enum { LINE = 64 };
+
 static void *libc_allocate(void *user, void *block, size_t old_size, size_t new_size) {
     (void)user, (void)old_size;
-    enum {
-        LINE = 64
-    }; /* bytes of a cache line: a SIMD load of aligned data then touches a single line */
     if (new_size && !block) return aligned_alloc(LINE, (new_size + LINE - 1) / LINE * LINE);
     if (new_size) return realloc(block, new_size);
     free(block);
@@ -89,6 +89,7 @@ void pdyn_destroy(pdyn_context *context) {
 int pdyn_thread_count(const pdyn_context *context) {
     return context ? context->options.threads : 0;
 }
+
 /* A member that another thread may change. */
 static size_t read_locked(const pdyn_context *context, const size_t *member) {
     pthread_mutex_t *lock = (pthread_mutex_t *)&context->lock;

@@ -80,11 +80,11 @@ static double distance_at(const struct pair_kind *kind, pair_points x, pair_poin
     return sqrt(kind->closest((pair_points){at[0], at[1], at[2], at[3]}, c));
 }
 
+/* After so many steps the path found so far is returned, which is shorter than possible. */
+enum { STEPS = 1000 };
+
 double pair_free_path(const struct pair_kind *kind, pair_points x, pair_points d,
                       double min_distance) {
-    enum {
-        STEPS = 1000
-    }; /* after so many steps the path found so far is returned, which is shorter than possible */
     double closing = pair_closing_bound(kind, d), t = 0.0;
     double step = 0.999 * (distance_at(kind, x, d, 0.0) - min_distance) / closing;
     for (int k = 0; k < STEPS && t < 1.0; k++) {

@@ -7,9 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-enum {
-    STRIDE = 8
-}; /* points processed per vector operation: arrays have as many unused elements at their end */
+/* Points of a vector operation: arrays have as many unused elements at their end. */
+enum { STRIDE = 8 };
 
 enum { TABLE = 8 }; /* length of the key table per point of capacity */
 
