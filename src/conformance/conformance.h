@@ -4,7 +4,6 @@
 #ifndef PDYN_CONFORMANCE_H
 #define PDYN_CONFORMANCE_H
 
-#include "base/param_kind.h"
 #include "base/registry.h"
 #include "projdyn/conformance.h"
 #include "step/sim.h"

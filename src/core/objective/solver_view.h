@@ -2,7 +2,6 @@
 #ifndef PDYN_SOLVER_VIEW_H
 #define PDYN_SOLVER_VIEW_H
 
-#include "base/context.h"
 #include "hessian_matrix.h"
 #include "projdyn/module.h"
 

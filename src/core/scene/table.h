@@ -2,7 +2,6 @@
 #ifndef PDYN_TABLE_H
 #define PDYN_TABLE_H
 
-#include "base/param_kind.h"
 #include "json_file.h"
 #include "scene.h"
 

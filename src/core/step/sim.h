@@ -19,7 +19,6 @@
 #include "solid_load.h"
 #include "solver_choice.h"
 #include "sph/boundary.h"
-#include "sph/neighbours.h"
 #include "walls.h"
 
 struct carried;
