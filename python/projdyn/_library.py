@@ -42,7 +42,6 @@ FUNCTIONS = {
     "pdyn_solid_name": (c_char_p, Sim, c_int),
     "pdyn_solid_vertices": (c_int, Sim, c_int, Doubles),
     "pdyn_solid_triangles": (c_int, Sim, c_int, Ints),
-    "pdyn_solid_load": (Status, Sim, c_int, Doubles, Doubles),
     "pdyn_save": (Status, Sim, c_char_p),
     "pdyn_restore": (Status, Sim, c_char_p),
     "pdyn_save_memory": (Status, Sim, c_void_p, c_size_t, POINTER(c_size_t)),
