@@ -165,7 +165,7 @@ void rigid_map_update(struct rigid_map *map, const double *x) { for_bodies(map, 
 
 void rigid_body_sum(const struct rigid_body *b, int begin, const double *f,
                     double sum[RIGID_SIZE]) {
-    memset(sum, 0, 6 * sizeof *sum);
+    memset(sum, 0, RIGID_SIZE * sizeof *sum);
     for (int i = begin; i < rigid_body_particles(b); i++) {
         double turn[3];
         const double *own = f + 3 * (size_t)(b->first + i);

@@ -70,13 +70,14 @@ struct pdyn_sim {
     void *solver_state;
 
     /* Forces of the last step. */
-    bool forces_known;   /* its last local step belongs to the state: forces can be computed */
-    double slowed;       /* part of the kinetic energy that the end of the step took away, as it was
-                            far from solved and had gained energy */
-    struct {             /* impacts.h */
-        int count;       /* constraints with an impact */
-        double left_out; /* 1 - (h_e / h)^2: the part of their forces that does not change
-                            velocities */
+    bool forces_known; /* its last local step belongs to the state: forces can be computed */
+    double slowed;     /* part of the kinetic energy that the end of the step took away, as it was
+                          far from solved and had gained energy */
+    /* What impacts.c computes. */
+    struct {
+        int count;         /* constraints with an impact */
+        double left_out;   /* 1 - (h_e / h)^2: the part of their forces that does not change
+                              velocities */
         double *passed_on; /* bodies x 3, N: force of impacts that the body's pins take up */
     } impacts;
     struct solid_loads *loads; /* forces on solids; NULL in a scene without solids */
