@@ -54,11 +54,12 @@ static bool is_accepted(const struct rule *rule, const struct line_step *step, d
            step->slope_after <= -rule->curvature * step->slope;
 }
 
-/* Length to which a step is lengthened at most, in directions; 3 and 6 differ by 5 %. */
+/* Length to which a step is lengthened at most, in directions. With 3 or 6, scenes of
+ * cloth need the same number of linear iterations within 5 %. */
 static const double longest = 4.0;
 
-/* A whole step is lengthened where more than this part of the slope is left; 0.4 to 0.7 differ by 7
- * %. */
+/* A whole step is lengthened where more than this part of the slope is left. With 0.7, scenes of
+ * cloth need up to 3 % more linear iterations, with 0.4 up to 14 %. */
 static const double slope_to_lengthen = 0.5;
 
 /* The other side of the curvature condition: where much of the slope is left at the end of a whole
