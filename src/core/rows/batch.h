@@ -62,6 +62,7 @@ struct batch {
     struct linear_rows *linear;     /* replaces all rows in products and local steps; NULL: none */
     int *entry_element, *entry_row; /* entries: their elements and rows */
     int touch_first, touch_count;   /* rows select only particles of this range of the system */
+    int touch_room;                 /* particles that touch_start has room for */
     int *touch_start;               /* touch_count + 1: first entry of each particle in `touch` */
     struct touch *touch;            /* entries, ascending for each particle */
     struct row_memory memory;       /* what elements that come and go left to the next step */

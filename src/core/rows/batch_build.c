@@ -52,18 +52,13 @@ static int common_width(const pdyn_batch *v, int rows) {
 
 /* The range of particles that rows select. A failure changes nothing. */
 static pdyn_status find_touched(struct batch *b) {
-    const pdyn_batch *v = &b->view;
-    int low = INT32_MAX, high = -1;
-    for (int k = 0; k < b->entries; k++) {
-        if (v->column[k] < low) low = v->column[k];
-        if (v->column[k] > high) high = v->column[k];
-    }
-    int first = b->entries ? low : 0, count = b->entries ? high - low + 1 : 0;
-    if (!b->touch_start || count != b->touch_count) {
+    int first, count;
+    rows_find_touched(b, &first, &count);
+    if (!b->touch_start || count != b->touch_room) {
         int *start = NEW_ARRAY(b->context, count + 2, int);
         if (!start) return PDYN_NO_MEMORY;
-        FREE_ARRAY(b->context, b->touch_start, b->touch_count + 2);
-        b->touch_start = start;
+        FREE_ARRAY(b->context, b->touch_start, b->touch_room + 2);
+        b->touch_start = start, b->touch_room = count;
     }
     b->touch_first = first, b->touch_count = count;
     return PDYN_OK;
@@ -220,7 +215,7 @@ void batch_free(struct batch *b) {
     rows_free(b);
     row_memory_free(c, &b->memory, b->type->memory_size);
     linear_rows_free(b->linear);
-    FREE_ARRAY(c, b->touch_start, b->touch_count + 2);
+    FREE_ARRAY(c, b->touch_start, b->touch_room + 2);
     if (b->view.scratch)
         context_resize(c, b->view.scratch, (size_t)b->view.body->count * b->type->scratch_size, 0);
     FREE_ARRAY(c, b, 1);

@@ -7,8 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The index of particles covers all that rows may ever select. Without memory there is none, and
- * the next call tries again. */
+/* The index has room for all particles that rows may ever select. Without memory there is none,
+ * and the next call tries again. */
 static pdyn_status make_index(struct batch *b) {
     int low, high;
     rows_selectable(b, &low, &high);
@@ -22,7 +22,7 @@ static pdyn_status make_index(struct batch *b) {
     if (!b->view.scratch && b->type->scratch_size) return PDYN_NO_MEMORY;
     b->touch_start = NEW_ARRAY(b->context, high - low + 2, int);
     if (!b->touch_start) return PDYN_NO_MEMORY;
-    b->touch_first = low, b->touch_count = high - low;
+    b->touch_room = high - low;
     return PDYN_OK;
 }
 
@@ -95,8 +95,10 @@ pdyn_status rows_update(struct batch *b, const double *x, const double *v) {
     pool_for(b->context->pool, elements, b->grain, fill_rows, b);
     for (int k = 0; k < blocks; k++) good &= b->partial[k] == 0.0;
     status = good ? PDYN_OK : rows_check(b);
-    if (status == PDYN_OK) rows_index(b);
-    return status;
+    if (status != PDYN_OK) return status;
+    rows_find_touched(b, &b->touch_first, &b->touch_count);
+    rows_index(b);
+    return PDYN_OK;
 }
 
 void batch_recall(struct batch *b) {

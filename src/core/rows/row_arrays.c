@@ -154,6 +154,15 @@ void rows_free(struct batch *b) {
 
 /* ---- index ----------------------------------------------------------------------------------- */
 
+void rows_find_touched(const struct batch *b, int *first, int *count) {
+    int low = INT32_MAX, high = -1;
+    for (int k = 0; k < b->entries; k++) {
+        if (b->view.column[k] < low) low = b->view.column[k];
+        if (b->view.column[k] > high) high = b->view.column[k];
+    }
+    *first = b->entries ? low : 0, *count = b->entries ? high - low + 1 : 0;
+}
+
 void rows_index(struct batch *b) {
     const pdyn_batch *v = &b->view;
     int *start = b->touch_start, *end = start + 1, low = b->touch_first;

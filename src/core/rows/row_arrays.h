@@ -36,7 +36,10 @@ bool rows_allocate(struct batch *batch);
 size_t rows_block_numbers(const struct batch *batch);
 void rows_free(struct batch *batch);
 
-/* The transpose of G: for every particle the entries that select it. */
+/* The range of particles that rows select: `count` from `first` on; none: 0, 0. */
+void rows_find_touched(const struct batch *batch, int *first, int *count);
+/* The transpose of G in this range, which is set before: for every particle the entries that select
+ * it. */
 void rows_index(struct batch *batch);
 
 #endif
