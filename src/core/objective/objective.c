@@ -211,7 +211,7 @@ WIDE static void apply_inertia(void *arg, int first, int last, int block) {
 }
 
 const double *objective_extended(const struct objective *o, const double *u) {
-    return o->rigid ? rigid_map_extended(o->rigid, u) : u;
+    return o->rigid ? rigid_map_extended(o->rigid, 0, o->particles, u) : u;
 }
 
 void objective_pull(const struct objective *o, double *y) {
@@ -229,12 +229,12 @@ void objective_apply(struct objective *o, const double *u, double *y) {
 
 void objective_apply_remainder(struct objective *o, int first, int last, const double *u,
                                double *y) {
-    u = objective_extended(o, u);
+    if (o->rigid) u = rigid_map_extended(o->rigid, first, last, u);
     count_vectors(o, last - first);
     count_work(o, 0);
     struct call call = {.objective = o, .a = u, .out = y};
     pool_for_between(o->context->pool, first, last, PARTICLE_GRAIN, apply_inertia, &call);
-    for (int b = 0; b < o->batches; b++) batch_apply_remainder(o->batch[b], u, y);
+    for (int b = 0; b < o->batches; b++) batch_apply_remainder(o->batch[b], first, last, u, y);
     objective_pull(o, y);
 }
 

@@ -52,11 +52,20 @@ pdyn_status batch_begin(struct batch *b, const struct step_start *start,
     return rows_check_weights(b);
 }
 
+static pdyn_status begin_one_sided(struct batch *b) {
+    struct one_sided *s = &b->one_sided;
+    pdyn_status status = one_sided_begin(s);
+    if (status != PDYN_OK || !b->samples) return status;
+    samples_lump(b->samples, s->at.weight_sum, b->lumped);
+    s->D = b->lumped;
+    return PDYN_OK;
+}
+
 pdyn_status batch_local(struct batch *b, const double *x, double *gradient) {
     if (b->op) {
         b->energy = b->type->matrix_free->local(b->op, x, begin_output(b, gradient));
         end_output(b, gradient);
-        return one_sided_begin(&b->one_sided);
+        return begin_one_sided(b);
     }
     b->energy = 0.0;
     if (updates_always(b)) {
@@ -81,8 +90,10 @@ pdyn_status batch_linearise(struct batch *b, double eps) {
 
 void batch_apply(struct batch *b, const double *u, double *y) {
     if (b->op) {
-        one_sided_apply(&b->one_sided, b->eps, with_samples(b, u), begin_output(b, y));
+        struct one_sided *s = &b->one_sided;
+        one_sided_apply(s, b->eps, with_samples(b, u), begin_output(b, y));
         end_output(b, y);
+        one_sided_apply_projective(s, b->eps, 0, s->particles, u, y);
         return;
     }
     if (b->linear) {
@@ -93,13 +104,9 @@ void batch_apply(struct batch *b, const double *u, double *y) {
     rows_scatter(b, y);
 }
 
-void batch_apply_remainder(struct batch *b, const double *u, double *y) {
-    if (!b->op) {
-        batch_apply(b, u, y);
-    } else if (b->eps > 0.0) {
-        one_sided_apply_projective(&b->one_sided, b->eps, with_samples(b, u), begin_output(b, y));
-        end_output(b, y);
-    }
+void batch_apply_remainder(struct batch *b, int first, int last, const double *u, double *y) {
+    if (b->op) one_sided_apply_projective(&b->one_sided, b->eps, first, last, u, y);
+    else batch_apply(b, u, y);
 }
 
 void batch_rate(struct batch *b, const bool *which, const double *u, double *rate) {
@@ -132,27 +139,23 @@ void batch_step_along(struct batch *b, double t, double *y) {
     end_output(b, y);
 }
 
-typedef void one_sided_diagonal_fn(struct one_sided *s, double eps, double *blocks);
-
-/* Adds the diagonal of an operator; blocks of samples go to the particles of their triangles. */
-static void operator_diagonal(struct batch *b, one_sided_diagonal_fn *add, double *blocks) {
-    if (!b->samples) {
-        add(&b->one_sided, b->eps, blocks);
-        return;
-    }
-    samples_clear_blocks(b->samples);
-    add(&b->one_sided, b->eps, b->samples->blocks);
-    samples_scatter_blocks(b->samples, blocks);
+/* Blocks of samples go to the particles of their triangles. */
+static void operator_diagonal(struct batch *b, double *blocks) {
+    struct one_sided *s = &b->one_sided;
+    if (b->samples) samples_clear_blocks(b->samples);
+    one_sided_diagonal(s, b->eps, b->samples ? b->samples->blocks : blocks);
+    if (b->samples) samples_scatter_blocks(b->samples, blocks);
+    one_sided_diagonal_projective(s, b->eps, blocks);
 }
 
 void batch_diagonal(struct batch *b, double *blocks) {
-    if (b->op) operator_diagonal(b, one_sided_diagonal, blocks);
+    if (b->op) operator_diagonal(b, blocks);
     else if (b->linear) linear_rows_diagonal(b->linear, blocks);
     else rows_diagonal(b, blocks);
 }
 
 void batch_diagonal_remainder(struct batch *b, double *blocks) {
-    if (b->op) operator_diagonal(b, one_sided_diagonal_projective, blocks);
+    if (b->op) one_sided_diagonal_projective(&b->one_sided, b->eps, blocks);
     else batch_diagonal(b, blocks);
 }
 

@@ -31,6 +31,7 @@ struct batch {
     struct one_sided one_sided; /* operator tier: its constraints */
     /* operator tier: vectors have the values of the samples appended; NULL: no samples */
     struct surface_samples *samples;
+    double *lumped;  /* beside samples: one_sided.D */
     double eps;      /* damping of the current linearisation */
     double energy;   /* J, at the last local step */
     double left_out; /* part of impact forces that did not change velocities in the last step. The
@@ -167,8 +168,9 @@ void batch_apply(struct batch *batch, const double *u, double *y);
 /* Adds the 3 x 3 block diagonal of G' B G, packed xx xy xz yy yz zz, particles x 6. */
 void batch_diagonal(struct batch *batch, double *blocks);
 
-/* Products and diagonal without one-sided constraints: the part of H that always acts. */
-void batch_apply_remainder(struct batch *batch, const double *u, double *y);
+/* Products, for particles from first to before last, and diagonal without one-sided constraints:
+ * the part of H that always acts. Rows select only these particles. */
+void batch_apply_remainder(struct batch *batch, int first, int last, const double *u, double *y);
 void batch_diagonal_remainder(struct batch *batch, double *blocks);
 
 /* ---- forces and impacts at the end of a step ------------------------------------------------- */

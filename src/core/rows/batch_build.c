@@ -96,8 +96,13 @@ static pdyn_status create_operator(struct batch *b, const pdyn_services *service
     const pdyn_operator *op = b->type->matrix_free;
     if (!(b->op = op->create(b->params, b->view.body, services)))
         return context_no_memory(b->context);
-    b->one_sided = (struct one_sided){
-        .context = b->context, .op = op, .self = b->op, .particles = b->view.neighbours->particles};
+    const pdyn_neighbours *lists = b->view.neighbours;
+    b->one_sided = (struct one_sided){.context = b->context,
+                                      .op = op,
+                                      .self = b->op,
+                                      .particles = lists->particles - lists->samples};
+    if (lists->samples && !(b->lumped = NEW_ARRAY(b->context, b->one_sided.particles, double)))
+        return context_no_memory(b->context);
     return batch_neighbours(b, b->view.neighbours);
 }
 
@@ -212,6 +217,7 @@ void batch_free(struct batch *b) {
     if (!b) return;
     pdyn_context *c = b->context;
     if (b->op) b->type->matrix_free->free(b->op), one_sided_free(&b->one_sided);
+    FREE_ARRAY(c, b->lumped, b->one_sided.particles);
     rows_free(b);
     row_memory_free(c, &b->memory, b->type->memory_size);
     linear_rows_free(b->linear);

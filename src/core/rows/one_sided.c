@@ -42,10 +42,6 @@ static pdyn_status reserve(struct one_sided *s, int count) {
     return PDYN_NO_MEMORY;
 }
 
-static void for_particles(pdyn_range_fn *fn, struct call call) {
-    pool_for(call.s->context->pool, call.s->particles, GRAIN, fn, &call);
-}
-
 static void for_constraints(pdyn_range_fn *fn, struct call call) {
     pool_for(call.s->context->pool, call.s->at.count, GRAIN, fn, &call);
 }
@@ -69,6 +65,7 @@ static void set_sides(void *arg, int first, int last, int block) {
 
 pdyn_status one_sided_begin(struct one_sided *s) {
     s->at = s->op->one_sided(s->self);
+    s->D = s->at.weight_sum;
     pdyn_status status = reserve(s, s->at.count);
     if (status == PDYN_OK) for_constraints(set_sides, (struct call){.s = s});
     return status;
@@ -79,14 +76,15 @@ pdyn_status one_sided_begin(struct one_sided *s) {
 static void add_projective(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
-    const double *weight_sum = c->s->at.weight_sum;
+    const double *D = c->s->D;
     for (int i = first; i < last; i++)
-        if (weight_sum[i] > 0.0) vec3_add(c->out + 3 * i, c->eps * weight_sum[i], c->u + 3 * i);
+        if (D[i] > 0.0) vec3_add(c->out + 3 * i, c->eps * D[i], c->u + 3 * i);
 }
 
-void one_sided_apply_projective(struct one_sided *s, double eps, const double *u, double *y) {
-    if (eps > 0.0)
-        for_particles(add_projective, (struct call){.s = s, .u = u, .out = y, .eps = eps});
+void one_sided_apply_projective(struct one_sided *s, double eps, int first, int last,
+                                const double *u, double *y) {
+    struct call call = {.s = s, .u = u, .out = y, .eps = eps};
+    if (eps > 0.0) pool_for_between(s->context->pool, first, last, GRAIN, add_projective, &call);
 }
 
 static void multiply_stiffness(void *arg, int first, int last, int block) {
@@ -97,12 +95,10 @@ static void multiply_stiffness(void *arg, int first, int last, int block) {
 }
 
 void one_sided_apply(struct one_sided *s, double eps, const double *u, double *y) {
-    if (eps < 1.0) {
-        s->op->rate(s->self, s->acts, u, s->multiplier);
-        for_constraints(multiply_stiffness, (struct call){.s = s, .eps = eps});
-        s->op->force(s->self, s->multiplier, y);
-    }
-    one_sided_apply_projective(s, eps, u, y);
+    if (!(eps < 1.0)) return;
+    s->op->rate(s->self, s->acts, u, s->multiplier);
+    for_constraints(multiply_stiffness, (struct call){.s = s, .eps = eps});
+    s->op->force(s->self, s->multiplier, y);
 }
 
 static void acting_stiffness(void *arg, int first, int last, int block) {
@@ -116,19 +112,17 @@ static void acting_stiffness(void *arg, int first, int last, int block) {
 static void add_projective_blocks(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
-    for (int i = first; i < last; i++)
-        vec3_add_identity(c->out + 6 * i, c->eps * c->s->at.weight_sum[i]);
+    for (int i = first; i < last; i++) vec3_add_identity(c->out + 6 * i, c->eps * c->s->D[i]);
 }
 
 void one_sided_diagonal_projective(struct one_sided *s, double eps, double *blocks) {
-    if (eps > 0.0)
-        for_particles(add_projective_blocks, (struct call){.s = s, .out = blocks, .eps = eps});
+    struct call call = {.s = s, .out = blocks, .eps = eps};
+    if (eps > 0.0) pool_for(s->context->pool, s->particles, GRAIN, add_projective_blocks, &call);
 }
 
 void one_sided_diagonal(struct one_sided *s, double eps, double *blocks) {
     for_constraints(acting_stiffness, (struct call){.s = s, .eps = eps});
     s->op->diagonal(s->self, s->multiplier, blocks);
-    one_sided_diagonal_projective(s, eps, blocks);
 }
 
 /* ---- along a direction ----------------------------------------------------------------------- */

@@ -3,8 +3,9 @@
  *     (1 - eps) k_i / 2 max(0, C_i + grad C_i . d)^2 + eps / 2 d . D d,
  *
  * where d is the displacement from the x of the last local step. A constraint acts where
- * C_i + grad C_i . d > 0; this is its side. D: the diagonal of the projective step,
- * pdyn_one_sided.weight_sum. */
+ * C_i + grad C_i . d > 0; this is its side. D: the diagonal of the projective step, the sums of
+ * pdyn_one_sided.weight_sum; those of a sample of a surface are lumped to the corners of its
+ * triangle. */
 #ifndef PDYN_ONE_SIDED_H
 #define PDYN_ONE_SIDED_H
 
@@ -15,11 +16,12 @@
 struct one_sided {
     pdyn_context *context;
     const pdyn_operator *op;
-    void *self; /* the operator's state */
-    int particles, capacity;
-    pdyn_one_sided at; /* the x of the last local step */
-    double *reached;   /* count: C_i + grad C_i . d */
-    double *rate;      /* count: grad C_i . u, u: the search direction */
+    void *self;              /* the operator's state */
+    int particles, capacity; /* without samples of surfaces; constraints with room */
+    pdyn_one_sided at;       /* the x of the last local step */
+    const double *D;         /* particles: the same x, N/m */
+    double *reached;         /* count: C_i + grad C_i . d */
+    double *rate;            /* count: grad C_i . u, u: the search direction */
     double *mean; /* means: multipliers of the mean forces of the last step: without those parts
                      of impacts that the integrator left out */
     int means;    /* the count of the last step; 0: that step was not solved */
@@ -33,12 +35,13 @@ struct one_sided {
 pdyn_status one_sided_begin(struct one_sided *s);
 void one_sided_free(struct one_sided *s);
 
-/* y += ((1 - eps) sum over acting constraints of k_i grad C_i grad C_i' + eps D) u */
+/* y += (1 - eps) sum over acting constraints of k_i grad C_i grad C_i' u; vectors with samples */
 void one_sided_apply(struct one_sided *s, double eps, const double *u, double *y);
-/* Adds the block diagonal of that matrix, packed xx xy xz yy yz zz, particles x 6. */
+/* Adds the block diagonal of that matrix, packed xx xy xz yy yz zz; with samples. */
 void one_sided_diagonal(struct one_sided *s, double eps, double *blocks);
-/* The parts eps D of these two alone. */
-void one_sided_apply_projective(struct one_sided *s, double eps, const double *u, double *y);
+/* y += eps D u of the particles from first to before last, and its blocks; without samples. */
+void one_sided_apply_projective(struct one_sided *s, double eps, int first, int last,
+                                const double *u, double *y);
 void one_sided_diagonal_projective(struct one_sided *s, double eps, double *blocks);
 
 /* Sets the search direction u from d. */

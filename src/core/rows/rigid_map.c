@@ -213,8 +213,9 @@ static void extend(void *arg, int first, int last, int block) {
 
 void rigid_map_extend(const struct rigid_map *map, double *u) { for_bodies(map, extend, NULL, u); }
 
-const double *rigid_map_extended(struct rigid_map *map, const double *u) {
-    memcpy(map->input, u, 3 * (size_t)map->particles * sizeof *u);
+const double *rigid_map_extended(struct rigid_map *map, int first, int last, const double *u) {
+    size_t start = 3 * (size_t)first, count = 3 * (size_t)(last - first);
+    memcpy(map->input + start, u + start, count * sizeof *u);
     rigid_map_extend(map, map->input);
     return map->input;
 }

@@ -64,8 +64,9 @@ void rigid_map_update(struct rigid_map *map, const double *x);
 
 /* Makes u (particles x 3) rigid, as the points move in the mean. */
 void rigid_map_extend(const struct rigid_map *map, double *u);
-/* The same for a copy of u, which is returned: valid until the next call. */
-const double *rigid_map_extended(struct rigid_map *map, const double *u);
+/* The same for a copy of u, which is returned: valid until the next call. It has the particles from
+ * first to before last, which contain the bodies. */
+const double *rigid_map_extended(struct rigid_map *map, int first, int last, const double *u);
 
 /* Replaces the forces y (particles x 3) on a body by forces on its points. */
 void rigid_map_pull(const struct rigid_map *map, double *y);

@@ -14,7 +14,7 @@ struct call {
     const struct surface_samples *s;
     const double *in;
     double *out;
-    int numbers;     /* per particle: 3 (vector) or 6 (block) */
+    int numbers;     /* per particle: 1, 3 (vector) or 6 (block) */
     const int *list; /* the samples that are interpolated; NULL: all */
 };
 
@@ -29,7 +29,8 @@ static void for_samples(int count, pdyn_range_fn *fn, struct call call) {
 static void copy_particles(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
-    size_t begin = 3 * (size_t)first, count = 3 * (size_t)(last - first);
+    size_t numbers = (size_t)c->numbers;
+    size_t begin = numbers * (size_t)first, count = numbers * (size_t)(last - first);
     memcpy(c->out + begin, c->in + begin, count * sizeof *c->out);
 }
 
@@ -48,7 +49,7 @@ WIDE static void interpolate_samples(void *arg, int first, int last, int block) 
 /* out = (x, S x) for `count` samples of a list; x may be out itself. */
 static void interpolate(const struct surface_samples *s, const int *list, int count,
                         const double *x, double *out) {
-    const struct call call = {.s = s, .in = x, .out = out, .list = list};
+    const struct call call = {.s = s, .in = x, .out = out, .numbers = 3, .list = list};
     if (x != out) for_particles(copy_particles, call);
     for_samples(count, interpolate_samples, call);
 }
@@ -114,7 +115,8 @@ WIDE static void add_samples(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     for (int i = first; i < last; i++)
-        if (c->numbers == 3) add_samples_of(c, i, 3);
+        if (c->numbers == 1) add_samples_of(c, i, 1);
+        else if (c->numbers == 3) add_samples_of(c, i, 3);
         else add_samples_of(c, i, 6);
 }
 
@@ -127,6 +129,12 @@ void samples_scatter(const struct surface_samples *s, double *y) {
 void samples_scatter_blocks(const struct surface_samples *s, double *blocks) {
     const struct call call = {.s = s, .in = s->blocks, .out = blocks, .numbers = 6};
     for_particles(add_particles, call);
+    for_samples(s->corner_count, add_samples, call);
+}
+
+void samples_lump(const struct surface_samples *s, const double *d, double *out) {
+    const struct call call = {.s = s, .in = d, .out = out, .numbers = 1};
+    for_particles(copy_particles, call);
     for_samples(s->corner_count, add_samples, call);
 }
 

@@ -107,6 +107,10 @@ void samples_clear_blocks(const struct surface_samples *samples);
  * are lumped to its corners by weight, which is an upper bound of S' D S. */
 void samples_scatter_blocks(const struct surface_samples *samples, double *blocks);
 
+/* out = the numbers of particles in d (particles, then samples) and those of samples, lumped in the
+ * same way. */
+void samples_lump(const struct surface_samples *samples, const double *d, double *out);
+
 /* Limits the displacement of a particle to the limits of the samples on its triangles. max_step:
  * particles, then samples, m. */
 void samples_limit_motion(const struct surface_samples *samples, double *max_step);
