@@ -124,6 +124,8 @@ static void test_tables(void **state) {
     t = good, t.end = fill, t.memory_size = 8, t.damping = damping, refuse_type(t, "excludes");
     t = good, t.flags = PDYN_EVERY_ITERATION, refuse_type(t, "need update");
     t = good, t.update = update, t.end = fill, refuse_type(t, "need each other");
+    t = good, t.update = update, t.flags = PDYN_STEADY, refuse_type(t, "excludes PDYN_STEADY");
+    t = good, t.flags = 2 * PDYN_STEADY, refuse_type(t, "a bit that module.h does not define");
     t = good, t.update = update, t.linear = is_linear, refuse_type(t, "update excludes");
     t = good, t.linear = is_linear, t.begin = fill, refuse_type(t, "linear excludes begin");
     t = good, t.update = update, t.begin = fill, t.flags = PDYN_EVERY_ITERATION;

@@ -2,6 +2,7 @@
 #include "support.h"
 
 #include "../src/solvers/coarse_space.h"
+#include "base/registry.h"
 
 /* ---- skyline --------------------------------------------------------------------------------- */
 
@@ -193,19 +194,19 @@ static void test_dynamic_pattern(void **state) {
     test_close(sim);
 }
 
-/* A hanging sheet of %d x %d vertices. */
+/* A hanging sheet of %d x %d vertices, with springs of type %s. */
 static const char hanging[] =
     "{\"duration\": 1, \"time_step\": {\"fixed\": 0.0166}, \"solver\": {\"type\": \"hybrid\"},"
     " \"bodies\": [{\"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [%d, %d]},"
-    " \"area_density\": 0.2}, \"constraints\": [{\"type\": \"spring\","
+    " \"area_density\": 0.2}, \"constraints\": [{\"type\": \"%s\","
     " \"stretching_stiffness\": 4000}, {\"type\": \"bending\", \"bending_rigidity\": 1e-4},"
     " {\"type\": \"pin\", \"vertices\": {\"vertices\": [0, %d]}}]}]}";
 
 /* Linear iterations of its first eight steps. */
-static int hanging_iterations(pdyn_context *context, int n) {
+static int hanging_iterations(pdyn_context *context, const char *type, int n) {
     char text[1024];
     int linear = 0;
-    snprintf(text, sizeof text, hanging, n, n, n - 1);
+    snprintf(text, sizeof text, hanging, n, n, type, n - 1);
     pdyn_sim *sim = test_load(context, text);
     for (int step = 0; step < 8; step++) linear += test_step(sim).linear_iterations;
     pdyn_free(sim);
@@ -216,8 +217,46 @@ static int hanging_iterations(pdyn_context *context, int n) {
 static void test_sizes(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
-    int small = hanging_iterations(context, 33), large = hanging_iterations(context, 97);
+    int small = hanging_iterations(context, "spring", 33);
+    int large = hanging_iterations(context, "spring", 97);
     if (!(large < 1.5 * small)) fail_msg("%d, %d iterations", small, large);
+    pdyn_destroy(context);
+}
+
+static void begin_nothing(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par, (void)b, (void)first, (void)last;
+}
+
+/* The reason of the solver that `auto` chooses for a sheet of this type alone. */
+static void expect_reason(pdyn_context *context, const char *type, const char *expected) {
+    char text[512];
+    snprintf(text, sizeof text,
+             "{\"duration\": 1, \"bodies\": [{\"surface\": {\"grid\": {\"size\": [1, 1],"
+             " \"vertices\": [5, 5]}, \"area_density\": 0.2}, \"constraints\": [{\"type\": \"%s\", "
+             "\"stretching_stiffness\": 4000}]}]}",
+             type);
+    pdyn_sim *sim = test_load(context, text);
+    assert_string_equal(pdyn_solver_type(sim), "hybrid");
+    if (!strstr(pdyn_solver_reason(sim), expected)) fail_msg("%s", pdyn_solver_reason(sim));
+    pdyn_free(sim);
+}
+
+/* Elements of a type with `begin` are in the coarse space if it says that their weights depend on
+ * parameters alone. */
+static void test_steady(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_constraint_type steady = *registry_constraint(context, "spring"), other = steady;
+    steady.name = "steady", steady.begin = begin_nothing, steady.flags |= PDYN_STEADY;
+    other.name = "other", other.begin = begin_nothing;
+    const pdyn_constraint_type *const types[] = {&steady, &other, NULL};
+    const pdyn_plugin plugin = {PDYN_ABI, "springs", types, NULL};
+    assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
+    int springs = hanging_iterations(context, "spring", 33);
+    assert_int_equal(hanging_iterations(context, "steady", 33), springs);
+    assert_true(hanging_iterations(context, "other", 33) > springs);
+    expect_reason(context, "steady", "two-level");
+    expect_reason(context, "other", "weights that may change in steps have no coarse space");
     pdyn_destroy(context);
 }
 
@@ -300,10 +339,15 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_skyline),       cmocka_unit_test(test_sparse),
-        cmocka_unit_test(test_galerkin),      cmocka_unit_test(test_dynamic_pattern),
-        cmocka_unit_test(test_sizes),         cmocka_unit_test(test_coupled),
-        cmocka_unit_test(test_without_nodes), cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_skyline),
+        cmocka_unit_test(test_sparse),
+        cmocka_unit_test(test_galerkin),
+        cmocka_unit_test(test_dynamic_pattern),
+        cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_steady),
+        cmocka_unit_test(test_coupled),
+        cmocka_unit_test(test_without_nodes),
+        cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -281,6 +281,35 @@ static void test_weights_that_change(void **state) {
     t.weight = weight_of_memory, expect_begin(t, "weight depends on `memory`");
 }
 
+static void begin_stretched(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) ((double *)b->data)[e] = vec3_length(b->u + 3 * e);
+}
+
+static void begin_weight(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) b->weight[e] = 1.0;
+}
+
+static void weight_of_data(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++)
+        b->weight[e] = ((const struct params *)par)->stiffness / length(b, e);
+}
+
+/* PDYN_STEADY: they may not change although there is a `begin`. */
+static void test_steady_weights(void **state) {
+    (void)state;
+    pdyn_constraint_type t = good;
+    t.damping = NULL, t.damping_rest = NULL, t.flags |= PDYN_STEADY, t.begin = begin_nothing;
+    wrong_expect(t, NULL);
+    t.weight = weight_of_time, wrong_expect(t, "weight depends on `time`, but with PDYN_STEADY");
+    t.weight = weight_of_step, wrong_expect(t, "the length of the step, but with PDYN_STEADY");
+    t.weight = weight_of_data, t.begin = begin_stretched;
+    wrong_expect(t, "weight depends on what `begin` writes, but with PDYN_STEADY");
+    t.weight = weight, wrong_expect(t, NULL);
+    t.begin = begin_weight, wrong_expect(t, "begin writes weight, which it may only read");
+}
+
 /* ---- state outside of memory ----------------------------------------------------------------- */
 
 static void begin_largest(const void *par, const pdyn_batch *b, int first, int last) {
@@ -752,19 +781,13 @@ static void test_solvers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_good),
-        cmocka_unit_test(test_vertices),
-        cmocka_unit_test(test_writes),
-        cmocka_unit_test(test_weights_that_change),
-        cmocka_unit_test(test_state),
-        cmocka_unit_test(test_values),
-        cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_energy),
-        cmocka_unit_test(test_numeric_tangent),
-        cmocka_unit_test(test_switches),
-        cmocka_unit_test(test_exclusive),
-        cmocka_unit_test(test_many_rows),
-        cmocka_unit_test(test_mathematics),
+        cmocka_unit_test(test_good),           cmocka_unit_test(test_vertices),
+        cmocka_unit_test(test_writes),         cmocka_unit_test(test_weights_that_change),
+        cmocka_unit_test(test_steady_weights), cmocka_unit_test(test_state),
+        cmocka_unit_test(test_values),         cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_energy),         cmocka_unit_test(test_numeric_tangent),
+        cmocka_unit_test(test_switches),       cmocka_unit_test(test_exclusive),
+        cmocka_unit_test(test_many_rows),      cmocka_unit_test(test_mathematics),
         cmocka_unit_test(test_solvers),
     };
     return cmocka_run_group_tests_name("wrong", tests, NULL, NULL);

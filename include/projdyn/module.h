@@ -399,6 +399,8 @@ enum {                              /* pdyn_constraint_type.flags */
                                        not by contact; so are those of every type that works on
                                        neighbour lists */
        PDYN_FIRST_LAYER = 16384,    /* reads `layer_x` of the neighbour lists */
+       PDYN_STEADY = 32768,         /* its weights depend on parameters alone although it has a
+                                       `begin`; excludes update */
 };
 
 typedef struct pdyn_constraint_type {
@@ -444,8 +446,8 @@ typedef struct pdyn_constraint_type {
     /* Fills column, coefficient and data: G of these elements. */
     void (*select)(const void *params, const pdyn_batch *batch, int first, int last);
     /* Fills weight, which must not depend on u. Called once, and when parameters change; with
-     * `begin` or `update`, in every step. A weight that depends on `memory`, on `time` or on the
-     * length of the step needs a `begin`, which may do nothing. */
+     * `update`, or with `begin` and without PDYN_STEADY, in every step. A weight that depends on
+     * `memory`, on `time` or on the length of the step needs a `begin`, which may do nothing. */
     void (*weight)(const void *params, const pdyn_batch *batch, int first, int last);
     /* Fills p from u; finite for any u, also 0. Without `energy`, p is the point of the manifold
      * closest to u. */
@@ -473,10 +475,10 @@ typedef struct pdyn_constraint_type {
      * do nothing. NULL: E = w/2 |u - p|^2. */
     double (*energy)(const void *params, const pdyn_batch *batch, int first, int last);
     /* Called at the beginning of every step with u = G x and p = G v of all elements, which it may
-     * read: data may change. `weight` is called after it, and not before the first step. A step
-     * that is repeated begins again: what lasts belongs into `memory`. Elements of a type with it
-     * are not steady (pdyn_elements): `hybrid` leaves them out of its coarse space. NULL: nothing
-     * changes. */
+     * read: data may change. `weight` is called after it, and not before the first step, unless the
+     * type has PDYN_STEADY. A step that is repeated begins again: what lasts belongs into `memory`.
+     * Elements of a type with it and without PDYN_STEADY are not steady (pdyn_elements): `hybrid`
+     * leaves them out of its coarse space. NULL: nothing changes. */
     void (*begin)(const void *params, const pdyn_batch *batch, int first, int last);
     /* State of elements that lasts, as plastic strain or the slip of friction. `end` is called
      * after every accepted step, with u and p of its end, and writes `memory` (memory_size bytes

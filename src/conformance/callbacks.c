@@ -179,8 +179,8 @@ static bool weighs_otherwise(struct guarded *a, const struct guarded *b,
     return memcmp(a->view.weight, b->view.weight, a->array[WEIGHT].bytes) != 0;
 }
 
-/* Weights of a type without begin and update are computed once: they may not depend on what changes
- * from step to step. b has the weights at the state of the trial. */
+/* Weights that are not computed in every step may not depend on what changes from step to step. b
+ * has the weights at the state of the trial. */
 static void check_lasting_weight(struct check *check, struct guarded *a, const struct guarded *b,
                                  const struct call *weight) {
     static const double times[] = {0.1, 1.0, 10.0, 1000.0};
@@ -188,7 +188,7 @@ static void check_lasting_weight(struct check *check, struct guarded *a, const s
     const struct call end = call_of("end", t->end, 1u << MEMORY);
     const pdyn_batch view = a->view;
     const char *changes = NULL;
-    if (t->begin || t->update) return;
+    if (type_weighs_in_steps(t) || t->update) return;
     for (int k = 0; k < 4 && !changes; k++) {
         a->view.time = times[k];
         if (weighs_otherwise(a, b, weight)) changes = "`time`";
@@ -203,10 +203,10 @@ static void check_lasting_weight(struct check *check, struct guarded *a, const s
     }
     weighs_otherwise(a, b, weight);
     if (changes)
-        fault(check,
-              "weight depends on %s, but without `begin` it is not called in every step: add "
-              "one, even an empty one",
-              changes);
+        fault(check, "weight depends on %s, but %s", changes,
+              t->begin ? "with PDYN_STEADY it is not called in every step: do not set this flag"
+                       : "without `begin` it is not called in every step: add one, even an empty "
+                         "one");
 }
 
 static void check_weight(struct check *check, struct guarded *a, struct guarded *b) {
@@ -240,7 +240,8 @@ static void check_select(struct check *check, struct guarded *a, struct guarded 
 static void check_others(struct check *check, struct guarded *a, struct guarded *b) {
     const pdyn_constraint_type *t = a->from->type;
     const struct call damping_rest = call_of("damping_rest", t->damping_rest, 1u << DATA),
-                      begin = call_of("begin", t->begin, 1u << DATA | 1u << WEIGHT);
+                      begin = call_of("begin", t->begin,
+                                      1u << DATA | (unsigned)type_weighs_in_steps(t) << WEIGHT);
     struct call end = call_of("end", t->end, 1u << MEMORY);
     end.zeroed = true; /* it may read the memory, too */
     if (t->damping_rest) guarded_compare(check, a, b, &damping_rest, 0);

@@ -3,6 +3,8 @@
  */
 #include "guarded.h"
 
+#include <string.h>
+
 static void run(const struct guarded *g, const char *name, callback *plain) {
     const struct call call = call_of(name, plain, 0);
     if (plain) guarded_run(g, &call, 0, g->view.elements);
@@ -35,6 +37,17 @@ static void check_begin(struct check *check, struct guarded *a, struct guarded *
     if (keeps || !guarded_same(a, b, DATA))
         fault(check, "begin writes other data after another step: data keep state, which saved "
                      "states lack; it belongs in `memory`");
+}
+
+/* PDYN_STEADY: the weights are those before the first step, whatever `begin` writes. */
+static void check_steady(struct check *check, struct guarded *g) {
+    static const double larger[] = {2.0};
+    if (!(g->from->type->flags & PDYN_STEADY)) return;
+    begin_steps(g, larger, g->from->type->begin ? 1 : 0);
+    run(g, "weight", g->from->type->weight);
+    if (memcmp(g->view.weight, g->from->view.weight, g->array[WEIGHT].bytes))
+        fault(check, "weight depends on what `begin` writes, but with PDYN_STEADY it is not called "
+                     "in every step: do not set this flag");
 }
 
 /* Calls the callbacks as for another body, in another step. */
@@ -74,6 +87,7 @@ void check_state(struct check *check, struct trial *trial) {
     if (guarded_create(&b, trial->rows)) {
         check_variables(check, &a, &b);
         check_begin(check, &a, &b);
+        check_steady(check, &b);
         guarded_free(&b);
     }
     guarded_free(&a);

@@ -1,12 +1,27 @@
 /* Solver "hybrid": conjugate gradients without a matrix and a two-level preconditioner. */
 #include "two_level.h"
 
+/* Whether some steady element ties particles: coarse spaces consist of these. */
+static bool has_coarse_space(const pdyn_model *model) {
+    for (int k = 0; k < model->elements_count; k++) {
+        pdyn_elements elements = model->elements((pdyn_model *)model, k);
+        const pdyn_batch *rows = elements.rows;
+        for (int r = 0; elements.steady && r < rows->element_row[rows->elements]; r++)
+            if (rows->row_entry[r + 1] - rows->row_entry[r] > 1) return true;
+    }
+    return false;
+}
+
 static int suits(const pdyn_model *model, const char **reason) {
-    *reason = model->dynamic
-                  ? "some constraints change every step; block Jacobi and a coarse space on cloth "
-                    "and solids precondition"
-                  : "the newton step changes the matrix in every iteration: a two-level "
-                    "preconditioner costs less than a factorisation";
+    static const char *const reasons[2][2] = {
+        {"the newton step changes the matrix in every iteration: block Jacobi costs less than a "
+         "factorisation; weights that may change in steps have no coarse space",
+         "the newton step changes the matrix in every iteration: a two-level preconditioner costs "
+         "less than a factorisation"},
+        {"some constraints change every step; block Jacobi preconditions",
+         "some constraints change every step; block Jacobi and a coarse space on cloth and solids "
+         "precondition"}};
+    *reason = reasons[model->dynamic][has_coarse_space(model)];
     if (!model->newton || !model->elements_count) return 3;
     return model->one_sided_count || !model->dynamic ? 30 : 3;
 }

@@ -129,6 +129,7 @@ static const char *update_fault(const pdyn_constraint_type *t) {
         return "memory_size excludes linear, damping and matrix_free";
     if (t->update && (t->row_sizes || t->linear || t->damping || t->matrix_free))
         return "update excludes row_sizes, linear, damping and matrix_free";
+    if (t->update && t->flags & PDYN_STEADY) return "update excludes PDYN_STEADY";
     return always && t->begin ? "PDYN_EVERY_ITERATION excludes begin" : NULL;
 }
 
@@ -141,6 +142,7 @@ static const char *constraint_fault(const pdyn_constraint_type *t) {
         return "no body is both a surface and particles";
     if (t->flags & PDYN_ON_CLOSED && !(t->flags & PDYN_ON_SURFACE))
         return "PDYN_ON_CLOSED needs PDYN_ON_SURFACE";
+    if (t->flags >= 2u * PDYN_STEADY) return "its flags have a bit that module.h does not define";
     if (alternatives_fault(t)) return alternatives_fault(t);
     if (update_fault(t)) return update_fault(t);
     if (t->tangent && t->tangent_rank1)

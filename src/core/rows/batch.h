@@ -97,8 +97,14 @@ static inline bool batch_belongs_to(const struct batch *batch, const struct batc
 static inline bool batch_couples_all(const struct batch *b) { return b->wide || b->dense; }
 /* Whether the selector is the same in all steps. */
 static inline bool batch_is_static(const struct batch *b) { return !b->op && !b->type->update; }
+/* Whether every step computes weights of the type anew after `begin`. */
+static inline bool type_weighs_in_steps(const pdyn_constraint_type *type) {
+    return type->begin && !(type->flags & PDYN_STEADY);
+}
 /* Whether its weights depend on parameters alone: not on the length of a step, or on its begin. */
-static inline bool batch_is_steady(const struct batch *b) { return !b->damper && !b->type->begin; }
+static inline bool batch_is_steady(const struct batch *b) {
+    return !b->damper && !type_weighs_in_steps(b->type);
+}
 /* Whether its elements come and go. */
 static inline bool batch_comes_and_goes(const struct batch *b) { return !b->op && b->type->update; }
 

@@ -87,8 +87,8 @@ static pdyn_status create_rows(struct batch *b) {
     if (!rows_allocate(b)) return context_no_memory(b->context);
     for (int e = 0; e < v->elements && v->key; e++) v->key[e] = (uint64_t)e;
     b->type->select(b->params, v, 0, v->elements);
-    /* Where a type has `begin`, its weights may depend on h: they are 0 until the first step. */
-    if (!b->type->begin) rows_weigh(b, 0, v->elements);
+    /* Weights that may depend on h are 0 until the first step. */
+    if (!type_weighs_in_steps(b->type)) rows_weigh(b, 0, v->elements);
     return index_rows(b);
 }
 
@@ -200,7 +200,7 @@ pdyn_status batch_refresh(struct batch *b, bool *changed) {
         return rows_fault(b, "it has other elements with this value than the scene gave it");
     uint64_t before = hash_rows(b);
     b->type->select(b->params, v, 0, v->elements);
-    if (!b->type->begin) rows_weigh(b, 0, v->elements);
+    if (!type_weighs_in_steps(b->type)) rows_weigh(b, 0, v->elements);
     if (!has_changed(b, before)) return PDYN_OK;
     *changed = true;
     if (b->damper) b->damping = b->type->damping(b->params);

@@ -141,8 +141,8 @@ static void gather_start(void *arg, int first, int last, int block) {
     gather_rows(b, row, end, c->start->x_base);
 }
 
-/* Begins the step of the elements [first, last) and computes their weights. Returns whether one of
- * these changes. */
+/* Begins the step of the elements [first, last) and computes weights that may change in steps.
+ * Returns whether one of these changes. */
 static bool begin_elements(struct batch *b, int first, int last) {
     enum { GROUP = 64 };
     double before[GROUP];
@@ -152,7 +152,7 @@ static bool begin_elements(struct batch *b, int first, int last) {
         size_t bytes = (size_t)(end - e) * sizeof *before;
         memcpy(before, b->view.weight + e, bytes); /* begin may write weights */
         b->type->begin(b->params, &b->view, e, end);
-        rows_weigh(b, e, end);
+        if (type_weighs_in_steps(b->type)) rows_weigh(b, e, end);
         changes |= memcmp(before, b->view.weight + e, bytes) != 0;
     }
     return changes;
