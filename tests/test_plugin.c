@@ -313,17 +313,19 @@ static void test_rows_of_other(void **state) {
     pdyn_destroy(context);
 }
 
-/* A projection (coefficient 1) or a tangent (2) that is not finite ends the run with a message. */
+/* A projection (coefficient 1) or a tangent (2) that is not finite ends the run with a message, a
+ * tangent without shorter steps. */
 static void test_not_finite(void **state) {
     (void)state;
     static const char *const what[] = {"energy", "tangent"};
+    static const pdyn_status status[] = {PDYN_DIVERGED, PDYN_SOLVER_FAILED};
     static const char *const where[] = {": p of element 1 is not", ""};
     for (int k = 0; k < 2; k++) {
         pdyn_context *context = test_context(1);
         pdyn_sim *sim;
         char expected[128];
         assert_int_equal(load_rows(context, 2, 0, 1.0 + k, 1e6, &sim), PDYN_OK);
-        assert_int_equal(pdyn_step(sim, NULL), PDYN_DIVERGED);
+        assert_int_equal(pdyn_step(sim, NULL), status[k]);
         snprintf(expected, sizeof expected,
                  "the %s of constraint \"mine\" on body \"b\" is not finite%s", what[k], where[k]);
         assert_error(expected);

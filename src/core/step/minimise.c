@@ -17,10 +17,10 @@
 
 /* ---- failures -------------------------------------------------------------------------------- */
 
-static pdyn_status fail_not_finite(const char *what, const struct batch *b) {
-    if (!b) return set_error(PDYN_DIVERGED, "the %s is not finite", what);
-    return set_error(PDYN_DIVERGED, "the %s of constraint \"%s\" on body \"%s\" is not finite",
-                     what, b->type->name, b->view.body->name);
+static pdyn_status fail_not_finite(pdyn_status status, const char *what, const struct batch *b) {
+    if (!b) return set_error(status, "the %s is not finite", what);
+    return set_error(status, "the %s of constraint \"%s\" on body \"%s\" is not finite", what,
+                     b->type->name, b->view.body->name);
 }
 
 /* The first element whose projection is not finite; -1: none. */
@@ -34,7 +34,7 @@ static int find_projection(const struct batch *b) {
 
 static pdyn_status fail_energy(const struct batch *b) {
     int element = find_projection(b);
-    if (element < 0) return fail_not_finite("energy", b);
+    if (element < 0) return fail_not_finite(PDYN_DIVERGED, "energy", b);
     return set_error(PDYN_DIVERGED,
                      "the energy of constraint \"%s\" on body \"%s\" is not finite: p of element "
                      "%d is not",
@@ -51,10 +51,11 @@ static pdyn_status fail_local(const struct pdyn_sim *sim) {
         if (!isfinite(objective->body[b].residual))
             return set_error(PDYN_DIVERGED, "the gradient on body \"%s\" is not finite",
                              objective->body[b].of->name);
-    return fail_not_finite("energy", NULL);
+    return fail_not_finite(PDYN_DIVERGED, "energy", NULL);
 }
 
-/* Looks for a constraint with a tangent that is not finite: no solver finds a direction then. */
+/* Looks for a constraint with a tangent that is not finite: no solver finds a direction then. E is
+ * finite, so a shorter step would not help: the fault is in the type. */
 static pdyn_status check_tangents(struct pdyn_sim *sim) {
     struct objective *objective = &sim->objective;
     const double *u = objective_extended(objective, sim->gradient);
@@ -63,9 +64,19 @@ static pdyn_status check_tangents(struct pdyn_sim *sim) {
         memset(product, 0, objective_bytes(objective));
         batch_apply(objective->batch[b], u, product);
         if (!isfinite(objective_dot(objective, product, product)))
-            return fail_not_finite("tangent", objective->batch[b]);
+            return fail_not_finite(PDYN_SOLVER_FAILED, "tangent", objective->batch[b]);
     }
     return PDYN_OK;
+}
+
+/* Looks for the reason of a direction that is 0 or not finite. */
+static pdyn_status check_direction(struct pdyn_sim *sim) {
+    double size = objective_norm(&sim->objective, sim->direction);
+    if (size > 0.0 && isfinite(size)) return PDYN_OK;
+    pdyn_status status = check_tangents(sim);
+    if (status != PDYN_OK || size == 0.0) return status;
+    return set_error(PDYN_DIVERGED, "the direction of solver \"%s\" is not finite",
+                     sim->solver->name);
 }
 
 /* ---- one iteration --------------------------------------------------------------------------- */
@@ -87,8 +98,7 @@ static pdyn_status iteration(struct pdyn_sim *sim, struct progress *p, bool *mov
     pdyn_status status = iterate_update_limits(sim, sim->x_next);
     if (status == PDYN_OK)
         status = global_step(sim, inertial ? 0.0 : sim->eps, first_solve, &p->linear);
-    if (status == PDYN_OK && !(objective_norm(&sim->objective, sim->direction) > 0.0))
-        status = check_tangents(sim);
+    if (status == PDYN_OK) status = check_direction(sim);
     if (status == PDYN_OK) status = line_search(sim, highest_energy(sim, p), &p->energy, &taken);
     p->energy_before = energy;
     if (status != PDYN_OK) return status;
