@@ -550,26 +550,26 @@ static void test_refused(void **state) {
     (void)state;
     assert_refused(
         scene("", DOWN, CLOTH_AT(6, 0.1), BALL),
-        "contact: triangle 12 of \"body0\" and triangle 2896 of \"ball\" "
+        "test:3:13: contact: triangle 12 of \"body0\" and triangle 2896 of \"ball\" "
         "intersect, near (-0.0836, 0.1, -0.0736) m; the meshes are 0.5 m and 0.3 m long: "
         "leave a gap between them");
     assert_refused(
         scene("", DOWN, CLOTH_AT(3, 0.15),
               "{'name': 'tower', 'box': {'minimum': [0.05, 0, 0.15], "
               "'maximum': [0.06, 0.8, 0.16]}}"),
-        "contact: triangle 1 of \"tower\" and triangle 6 of \"body0\" "
+        "test:3:13: contact: triangle 1 of \"tower\" and triangle 6 of \"body0\" "
         "intersect, near (0.05, 0.15, 0.15) m; the meshes are 0.8 m and 0.5 m long: leave a "
         "gap between them");
     assert_refused(
         scene("", DOWN, CLOTH_AT(6, 0.1) ", " CLOTH_AT(6, 0.100001), ""),
-        "contact: \"body0\" and \"body1\" are 1e-06 m apart at (-0.24, 0.1, "
+        "test:3:13: contact: \"body0\" and \"body1\" are 1e-06 m apart at (-0.24, 0.1, "
         "-0.23), expected at least a sixteenth of the thickness, 0.00025 m: leave a gap between "
         "them");
     assert_refused(
         scene("", DOWN,
               CLOTH_AT(6, 0.1) ", {'surface': {" GRID(5) ", 'rotate': [90, 7, 0], " AT(0.12) "}}",
               ""),
-        "contact: triangle *");
+        "test:3:13: contact: triangle *");
 }
 
 /* Two boxes of 0.1 m, the second moved by this, m. Edges of boxes that overlap may cross diagonals

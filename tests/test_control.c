@@ -226,6 +226,7 @@ static void test_step_by(void **state) {
     continues(sim, sheet);
     assert_int_equal(pdyn_step_by(sim, 0.0, NULL), PDYN_BAD_INPUT);
     assert_int_equal(pdyn_step_by(sim, NAN, NULL), PDYN_BAD_INPUT);
+    assert_error("pdyn_step_by: expected a step from");
     assert_int_equal(pdyn_step_by(NULL, 0.1, NULL), PDYN_BAD_CALL);
     pdyn_free(sim);
     pdyn_free(other);

@@ -214,7 +214,7 @@ static void test_resolve(void **state) {
 
 static int column_of_all;
 static double coefficient_of_all, weight_of_all;
-static int elements_of_all;
+static int elements_of_all, width_of_all = 1;
 
 static int some_elements(const void *par, const pdyn_body *body) {
     (void)par, (void)body;
@@ -256,7 +256,7 @@ static pdyn_status load_rows(pdyn_context *context, int count, int column, doubl
     elements_of_all = count, column_of_all = column;
     coefficient_of_all = coefficient, weight_of_all = weight;
     type = good, type.elements = some_elements, type.select = some_select;
-    type.weight = some_weight;
+    type.weight = some_weight, type.width = width_of_all;
     if (coefficient_of_all == 1.0) type.project = project_to_nan;
     else type.tangent = tangent_to_nan;
     assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
@@ -274,12 +274,18 @@ static void refuse_rows(int count, int column, double coefficient, double weight
 
 static void test_rows(void **state) {
     (void)state;
-    refuse_rows(-1, 0, 1.0, 1.0, "constraint \"mine\" on body \"b\": it has -1 elements");
+    refuse_rows(
+        -1, 0, 1.0, 1.0,
+        "sheet:1:162: bodies[0].constraints[0]: constraint \"mine\" on body \"b\": it has -1 "
+        "elements");
     refuse_rows(2, 9, 1.0, 1.0, "element 0 selects particle 9, expected 0 to 8");
     refuse_rows(2, -1, 1.0, 1.0, "element 0 selects particle -1, expected 0 to 8");
     refuse_rows(2, 0, NAN, 1.0, "coefficient that is not finite");
     refuse_rows(2, 0, 1.0, -1.0, "element 0 has the weight -1, expected a finite one");
     refuse_rows(2, 0, 1.0, NAN, "expected a finite one of at least 0");
+    width_of_all = INT32_MAX;
+    refuse_rows(2, 0, 1.0, 1.0, "constraint \"mine\" on body \"b\": it has too many rows");
+    width_of_all = 1;
 }
 
 /* Rows may select the particles of a body that a parameter names; the message says which they are.

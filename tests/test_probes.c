@@ -467,7 +467,7 @@ static void test_errors(void **state) {
         {"{'name': 'tank', 'point': [0, 0, 0]}", "already taken"},
         {"{'name': 'a', 'point': [0, 0, 0]}, {'name': 'a', 'solid': 'tank'}", "already taken"},
         {"{'wall': [0.05, 1.5, 0.05]}",
-         "probe \"probe0\": expected a wall of a solid within 0.05 m"},
+         "test:1:340: probes[0].wall: probe \"probe0\": expected a wall of a solid within 0.05 m"},
         {"{'pont': [0, 0, 0]}", "did you mean \"point\"?"},
         {"3", "probes[0]: expected"},
     };

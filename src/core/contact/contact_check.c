@@ -86,7 +86,7 @@ static pdyn_status fail_intersecting(const struct contact *c, int e, int f) {
                   at + 3 * face[2], x);
     return set_error(
         PDYN_BAD_INPUT,
-        "contact: triangle %d of \"%s\" and triangle %d of \"%s\" intersect, near "
+        "triangle %d of \"%s\" and triangle %d of \"%s\" intersect, near "
         "(%.3g, %.3g, %.3g) m; the meshes are %.3g m and %.3g m long: leave a gap between them",
         triangle_number(c, edge, 2), c->name[one], triangle_number(c, face, 3), c->name[other],
         x[0], x[1], x[2], extent_of_group(c, one), extent_of_group(c, other));
@@ -122,7 +122,7 @@ static pdyn_status check_distances(const struct contact *c, int first, int count
         if (distance >= least || !has_particle(contact, first, count)) continue;
         return set_error(
             PDYN_BAD_INPUT,
-            "contact: \"%s\" and \"%s\" are %.3g m apart at (%g, %g, %g), "
+            "\"%s\" and \"%s\" are %.3g m apart at (%g, %g, %g), "
             "expected at least a sixteenth of the thickness, %.3g m: leave a gap between them",
             c->name[c->group[point[0]]], c->name[c->group[point[3]]], distance, at[0], at[1], at[2],
             least);

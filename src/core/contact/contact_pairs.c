@@ -206,8 +206,8 @@ static long largest_count(const struct contact *c) {
 
 static pdyn_status too_many(const struct contact *c, long limit) {
     return set_error(
-        PDYN_NO_MEMORY,
-        "contact: more than %ld pairs of a vertex and a triangle, or of two edges, most of them of "
+        PDYN_BAD_INPUT,
+        "more than %ld pairs of a vertex and a triangle, or of two edges, most of them of "
         "\"%s\", can come closer than the thickness of %g m; there is no room for more than these, "
         "which take %.2g GB: expected a smaller \"thickness\" or coarser meshes",
         limit, most_pairs(c), c->settings->thickness, (double)limit * pair_memory * 1e-9);

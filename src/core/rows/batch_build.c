@@ -24,7 +24,7 @@ static pdyn_status shape_rows(struct batch *b, int *element_row) {
         rows += n;
         entries += (long)n * width;
         if (rows > INT32_MAX / 3 || entries > INT32_MAX)
-            return set_error(PDYN_BAD_INPUT, "constraint \"%s\": too many rows", t->name);
+            return rows_fault(b, "it has too many rows");
         element_row[e + 1] = (int)rows;
     }
     b->rows = (int)rows, b->entries = (int)entries;

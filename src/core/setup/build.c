@@ -15,14 +15,16 @@
 #include "step/sim.h"
 #include "warn.h"
 
-static pdyn_status create_contact(struct pdyn_sim *sim) {
+/* Prepends the place of "contact" to the error text where the bodies intersect. */
+static pdyn_status create_contact(struct pdyn_sim *sim, const struct json_file *json) {
+    struct json_at root = json_root(json), contact = json_member(&root, "contact");
     const struct contact_def def = {.scene = &sim->scene,
                                     .body = sim->body,
                                     .particles = sim->objective.particles,
                                     .live = sim->live ? sim->live->live : NULL,
                                     .rigid = sim->objective.rigid,
                                     .x = sim->x};
-    return contact_create(sim->context, &def, &sim->objective.contact);
+    return json_wrap(&contact, contact_create(sim->context, &def, &sim->objective.contact));
 }
 
 /* Prepends the place of the solver's name to the error text of a solver that does not fit. */
@@ -42,13 +44,13 @@ static pdyn_status build(struct pdyn_sim *sim, const struct json_file *json) {
     if (status == PDYN_OK) bodies_forget_start(sim);
     if (status == PDYN_OK) status = lists_create(sim);
     if (status == PDYN_OK) status = carried_create(sim);
-    if (status == PDYN_OK) status = batches_create(sim);
-    if (status == PDYN_OK) status = create_contact(sim);
+    if (status == PDYN_OK) status = batches_create(sim, json);
+    if (status == PDYN_OK) status = create_contact(sim, json);
     if (status == PDYN_OK) status = batches_add_contact(sim);
     if (status == PDYN_OK) status = residual_create(&sim->objective);
     if (status == PDYN_OK) status = solid_load_create(sim);
     if (status == PDYN_OK) control_find_anchored(sim);
-    if (status == PDYN_OK) status = probes_create(sim);
+    if (status == PDYN_OK) status = probes_create(sim, json);
     sim->eps = sim->scene.settings.newton ? 0.0 : 1.0;
     if (status == PDYN_OK) status = create_solver(sim, json);
     if (status == PDYN_OK) solver_choice_warn(sim);

@@ -6,6 +6,7 @@
 
 #include "projdyn/projdyn.h"
 
+struct json_file;
 struct pdyn_sim;
 
 /* build_bodies.c: bodies, their particles and topology, and the state at the start. */
@@ -21,8 +22,9 @@ pdyn_status lists_create(struct pdyn_sim *sim);
 void lists_free(struct pdyn_sim *sim);
 
 /* build_batches.c: batches of the constraints of the scene, of their damping, and of friction and
- * seepage between surfaces and fluids; room for those of contact, which batches_free frees, too. */
-pdyn_status batches_create(struct pdyn_sim *sim);
+ * seepage between surfaces and fluids; room for those of contact, which batches_free frees, too.
+ * Errors have the place of the constraint in the file. */
+pdyn_status batches_create(struct pdyn_sim *sim, const struct json_file *json);
 /* The batches of contact, its damping and friction, where the objective has contact. */
 pdyn_status batches_add_contact(struct pdyn_sim *sim);
 void batches_free(struct pdyn_sim *sim);

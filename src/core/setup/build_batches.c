@@ -3,6 +3,7 @@
 #include "base/registry.h"
 #include "build.h"
 #include "contact/contact.h"
+#include "scene/json_file.h"
 #include "step/sim.h"
 
 static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_body *body,
@@ -36,12 +37,20 @@ static pdyn_status add_damper(struct pdyn_sim *sim, const pdyn_body *body,
 typedef pdyn_status add_fn(struct pdyn_sim *sim, const pdyn_body *body,
                            const struct scene_constraint *c);
 
+/* Prepends the place of constraint k of body b to the error text. */
+static pdyn_status wrap(const struct json_file *json, int b, int k, pdyn_status status) {
+    struct json_at root = json_root(json), bodies = json_member(&root, "bodies");
+    struct json_at body = json_element(&bodies, (size_t)b);
+    struct json_at all = json_member(&body, "constraints"), at = json_element(&all, (size_t)k);
+    return json_wrap(&at, status);
+}
+
 /* Calls `add` for every constraint of every body. */
-static pdyn_status add_each(struct pdyn_sim *sim, add_fn *add) {
+static pdyn_status add_each(struct pdyn_sim *sim, const struct json_file *json, add_fn *add) {
     pdyn_status status = PDYN_OK;
     for (int b = 0; b < sim->bodies; b++)
         for (int k = 0; k < sim->scene.body[b].constraints && status == PDYN_OK; k++)
-            status = add(sim, &sim->body[b], &sim->scene.body[b].constraint[k]);
+            status = wrap(json, b, k, add(sim, &sim->body[b], &sim->scene.body[b].constraint[k]));
     return status;
 }
 
@@ -81,7 +90,7 @@ static int count_constraints(const struct pdyn_sim *sim) {
     return count;
 }
 
-pdyn_status batches_create(struct pdyn_sim *sim) {
+pdyn_status batches_create(struct pdyn_sim *sim, const struct json_file *json) {
     struct objective *objective = &sim->objective;
     int constraints = count_constraints(sim), count = 2 * constraints;
     if (sim->scene.has_contact) count += 3; /* contact, its damping, friction */
@@ -91,8 +100,8 @@ pdyn_status batches_create(struct pdyn_sim *sim) {
     objective->capacity = (size_t)count;
     if (count && !objective->batch) return PDYN_NO_MEMORY;
     if (constraints && !sim->constraint) return PDYN_NO_MEMORY;
-    pdyn_status status = add_each(sim, add_constraint);
-    if (status == PDYN_OK) status = add_each(sim, add_damper);
+    pdyn_status status = add_each(sim, json, add_constraint);
+    if (status == PDYN_OK) status = add_each(sim, json, add_damper);
     return status == PDYN_OK ? add_slip_and_seepage(sim) : status;
 }
 

@@ -7,6 +7,7 @@
 #include "live_particles.h"
 #include "probe_place.h"
 #include "probe_wall.h"
+#include "scene/json_file.h"
 
 #include "projdyn/vec3.h"
 
@@ -203,7 +204,8 @@ static void start_places(struct pdyn_sim *sim) {
     }
 }
 
-static pdyn_status check_walls(const struct pdyn_sim *sim) {
+static pdyn_status check_walls(const struct pdyn_sim *sim, const struct json_file *json) {
+    struct json_at root = json_root(json), probes = json_member(&root, "probes");
     for (int k = 0; k < sim->scene.probes; k++) {
         const struct scene_probe *probe = &sim->scene.probe[k];
         if (probe->kind != PROBE_WALL ||
@@ -212,7 +214,8 @@ static pdyn_status check_walls(const struct pdyn_sim *sim) {
         const char *name = probe->on_solid >= 0  ? sim->scene.solid[probe->on_solid].name
                            : probe->on_body >= 0 ? sim->scene.body[probe->on_body].name
                                                  : NULL;
-        return set_error(PDYN_BAD_INPUT,
+        struct json_at at = json_element(&probes, (size_t)k), wall = json_member(&at, "wall");
+        return json_fail(&wall,
                          "probe \"%s\": expected a wall of %s%s%s within %g m of (%g, %g, %g)",
                          probe->name, name ? "\"" : "a solid", name ? name : "", name ? "\"" : "",
                          radius_of(sim, probe), probe->at.x[0], probe->at.x[1], probe->at.x[2]);
@@ -220,7 +223,7 @@ static pdyn_status check_walls(const struct pdyn_sim *sim) {
     return PDYN_OK;
 }
 
-pdyn_status probes_create(struct pdyn_sim *sim) {
+pdyn_status probes_create(struct pdyn_sim *sim, const struct json_file *json) {
     if (!sim->scene.probes) return PDYN_OK;
     struct probes *p = sim->probes = NEW_ARRAY(sim->context, 1, struct probes);
     if (!p) return PDYN_NO_MEMORY;
@@ -229,7 +232,7 @@ pdyn_status probes_create(struct pdyn_sim *sim) {
     if (!resize_arrays(sim, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     list_columns(p, &sim->scene);
     start_places(sim);
-    return check_walls(sim);
+    return check_walls(sim, json);
 }
 
 void probes_free(struct pdyn_sim *sim) {

@@ -6,6 +6,7 @@
 #include "projdyn/probe.h"
 #include "solid_load.h"
 
+struct json_file;
 struct pdyn_sim;
 struct probe_place;
 
@@ -26,8 +27,9 @@ struct probes {
     const char **column;  /* values: pointers into text */
 };
 
-/* sim->probes stays NULL in a scene without probes. */
-pdyn_status probes_create(struct pdyn_sim *sim);
+/* sim->probes stays NULL in a scene without probes. PDYN_BAD_INPUT, with the place in the file:
+ * there is no wall where a probe needs one. */
+pdyn_status probes_create(struct pdyn_sim *sim, const struct json_file *json);
 void probes_free(struct pdyn_sim *sim);
 
 /* Measures at the end of a step of length h, s, whose forces are known. */

@@ -285,7 +285,8 @@ pdyn_status pdyn_step_sized(pdyn_sim *sim, pdyn_step_info *info, size_t size) {
 pdyn_status pdyn_step_by_sized(pdyn_sim *sim, double h, pdyn_step_info *info, size_t size) {
     if (HAS_NULL(sim) || control_refuses(__func__, sim)) return PDYN_BAD_CALL;
     if (!(h >= TIMESTEP_SHORTEST && h <= TIMESTEP_LONGEST))
-        return set_error(PDYN_BAD_INPUT, "expected a step from %g to %g s, found %g s",
+        return set_error(PDYN_BAD_INPUT,
+                         "pdyn_step_by: expected a step from %g to %g s, found %g s",
                          TIMESTEP_SHORTEST, TIMESTEP_LONGEST, h);
     return step_by(sim, h, info, size);
 }
