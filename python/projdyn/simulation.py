@@ -60,6 +60,7 @@ class Simulation(Fixed):
         self.bodies: dict[str, Body] = Names({body.name: body for body in bodies})
         self.constraints = _constraints(handle, state)
         self.solids = _solids(handle)
+        self._last = [StepInfo()]  # what the last step gave, for writers
         self.fix()
 
     def __repr__(self) -> str:
@@ -74,7 +75,7 @@ class Simulation(Fixed):
         if isinstance(h, int) and h > 1:
             warnings.warn(f"step({h}) is one step of {h} s, not {h} steps; sim.run(until=...) makes many, "
                           f"and step({h}.0) does not warn", RuntimeWarning, stacklevel=2)
-        info = StepInfo()
+        info = self._last[0] = StepInfo()
         for body in self.bodies.values():
             if isinstance(body, Rigid):
                 body.begin_step()
@@ -216,7 +217,7 @@ class Simulation(Fixed):
     def write(self, directory: Path, *, ply: bool = False, resume: bool = False) -> Writer:
         """A writer of frames, metrics.csv and report.json into a directory; see Writer. resume: goes
         on with the run in the directory, of the same scene, from the state that was saved there."""
-        writer = Writer(self._handle, directory, ply, resume)
+        writer = Writer(self._handle, directory, ply, resume, self._last)
         if resume:
             self._end_wrenches()
         return writer

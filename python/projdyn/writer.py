@@ -24,7 +24,8 @@ class Writer:
     at the end of the block, after an exception and Ctrl-C, too.
     """
 
-    def __init__(self, handle: Handle, directory: Path, ply: bool, resume: bool) -> None:
+    def __init__(self, handle: Handle, directory: Path, ply: bool, resume: bool,
+                 last: list[StepInfo]) -> None:
         path = path_of(directory, "directory")
         ply, resume = flag(ply, "ply"), flag(resume, "resume")
         self.directory = os.fspath(directory)
@@ -34,6 +35,7 @@ class Writer:
         if not resume:
             self.frame()
         self._start, self._is_used = lib.pdyn_time(handle.pointer), False
+        self._last, self._written = last, self._start
 
     def step(self, info: StepInfo) -> None:
         """Writes the row of the last step in metrics.csv, and a frame if the step reached one."""
@@ -41,6 +43,7 @@ class Writer:
             raise wrong_type("info", "the result of a step", info)
         self._is_used = True
         self._handle.call(lib.pdyn_writer_step_sized, byref(info), sizeof(info))
+        self._written = info.time
         if info.frame:
             self.frame()
 
@@ -56,12 +59,23 @@ class Writer:
     def close(self, failed: str = "") -> None:
         """Writes the report, saves the state and closes the files. failed: why the run stopped
         early."""
+        self._end(failed, False)
+
+    def _write_last(self) -> None:
+        """Python raises KeyboardInterrupt at the end of a call, mostly of a step: its row is missing."""
+        info, time = self._last[0], lib.pdyn_time(self._handle.parent.pointer)
+        if info.time == time and abs(info.time - info.h - self._written) < 1e-6 * info.h:
+            self.step(info)
+
+    def _end(self, failed: str, interrupted: bool) -> None:
         try:
-            self._handle.call(lib.pdyn_writer_report, None, False, failed.encode() or None)
+            if interrupted:
+                self._write_last()
+            self._handle.call(lib.pdyn_writer_report, None, interrupted, failed.encode() or None)
             self.save()
         finally:
             self._handle.finalize()
-        if not (failed or self._is_used) and lib.pdyn_time(self._handle.parent.pointer) > self._start:
+        if not (failed or interrupted or self._is_used) and lib.pdyn_time(self._handle.parent.pointer) > self._start:
             warnings.warn(f"{self.directory}: none of the steps was written: call writer.step(info) after each",
                           RuntimeWarning, stacklevel=3)
 
@@ -69,4 +83,5 @@ class Writer:
         return self
 
     def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
-        self.close(repr(error) if error else "")
+        interrupted = isinstance(error, KeyboardInterrupt)
+        self._end(repr(error) if error and not interrupted else "", interrupted)
