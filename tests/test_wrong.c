@@ -616,6 +616,13 @@ static const pdyn_param posed_params[] = {
      "positions of all vertices, any number of times"},
     {0}};
 
+/* The text of the larger trial has 20 characters for each number of the table. */
+static const pdyn_param wide_params[] = {
+    {"stiffness", PDYN_REAL, 0, false, 100, 0, 1e6, "N/m", "of each edge"},
+    {"pose", PDYN_TABLE(PDYN_ROWS, 30), offsetof(struct posed, pose), true, 0, 0, 0.3, "m",
+     "ten positions of all vertices"},
+    {0}};
+
 static pdyn_param_fault resolve_pose(void *par, const pdyn_scene_info *scene) {
     bool whole = ((const struct posed *)par)->pose.count % scene->vertices == 0;
     return (pdyn_param_fault){whole ? NULL : "has not the same rows for each vertex", "pose"};
@@ -633,6 +640,7 @@ static void test_many_rows(void **state) {
     t.params = posed_params, t.params_size = sizeof(struct posed);
     t.resolve = resolve_pose, wrong_expect(t, NULL);
     t.project = project_askew_if_posed, wrong_expect(t, "(surface, two rows per vertex)");
+    t.project = project, t.params = wide_params, wrong_expect(t, NULL);
 }
 
 static void damping_rest_nothing(const void *par, const pdyn_batch *b, int first, int last) {

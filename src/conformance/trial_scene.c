@@ -1,14 +1,11 @@
 /* The scenes of trials, written from a type's parameter table. */
 #include "base/param_kind.h"
-#include "base/text.h"
 #include "conformance.h"
 #include "scene/scene_file.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
-
-enum { TRIAL_TEXT = 1 << 20 }; /* bytes: size of the text of a scene */
+#include <stdlib.h>
 
 /* A required parameter gets 10 clamped to its bounds, others their default. */
 static double value_for(const pdyn_param *p) {
@@ -35,12 +32,12 @@ static int vertex_for(const struct trial_scene *scene, const pdyn_param *p, int 
     return row + (column < 4 ? corner[column] : corner[3] + column);
 }
 
-static void write_row(char *text, const struct trial_scene *scene, const pdyn_param *p, int row) {
+static void write_row(FILE *text, const struct trial_scene *scene, const pdyn_param *p, int row) {
     const char *before = param_width(p) > 1 ? "[" : "";
     for (int k = 0; k < param_width(p); k++, before = ", ")
-        text_append(text, TRIAL_TEXT, "%s%.17g", before,
-                    k < param_vertices(p) ? vertex_for(scene, p, row, k) : value_for(p));
-    if (param_width(p) > 1) text_append(text, TRIAL_TEXT, "]");
+        fprintf(text, "%s%.17g", before,
+                k < param_vertices(p) ? vertex_for(scene, p, row, k) : value_for(p));
+    if (param_width(p) > 1) fprintf(text, "]");
 }
 
 /* The rows that a table has in the text: one for all parts of the body, or two with vertices, four
@@ -54,15 +51,15 @@ static int count_rows(const struct trial_scene *scene, const pdyn_param *p) {
 }
 
 /* Writes a required table. */
-static void write_table(char *text, const struct trial_scene *scene, const pdyn_param *p) {
+static void write_table(FILE *text, const struct trial_scene *scene, const pdyn_param *p) {
     int rows = count_rows(scene, p);
     bool listed = rows > 1;
-    text_append(text, TRIAL_TEXT, ", \"%s\": %s", p->name, listed ? "[" : "");
+    fprintf(text, ", \"%s\": %s", p->name, listed ? "[" : "");
     for (int row = 0; row < rows; row++) {
-        if (row) text_append(text, TRIAL_TEXT, ", ");
+        if (row) fprintf(text, ", ");
         write_row(text, scene, p, row);
     }
-    if (listed) text_append(text, TRIAL_TEXT, "]");
+    if (listed) fprintf(text, "]");
 }
 
 bool trial_exchanges(const struct check *check, const pdyn_constraint_type *type,
@@ -73,31 +70,27 @@ bool trial_exchanges(const struct check *check, const pdyn_constraint_type *type
 }
 
 /* Writes a parameter that is true or false: a required one is true by default. */
-static void write_bool(char *text, const struct trial_scene *scene, const pdyn_param *p) {
+static void write_bool(FILE *text, const struct trial_scene *scene, const pdyn_param *p) {
     bool exchanged = trial_exchanges(scene->check, scene->type, p);
     bool usual = p->required || p->def != 0.0;
     if (exchanged || p->required)
-        text_append(text, TRIAL_TEXT, ", \"%s\": %s", p->name,
-                    usual != exchanged ? "true" : "false");
+        fprintf(text, ", \"%s\": %s", p->name, usual != exchanged ? "true" : "false");
 }
 
 /* Writes the constraint with these parameters: those that are required, those that are true or
  * false where the trial exchanges them, and real ones whose default lies within the bounds (others
  * have no default). */
-static void write_constraint(char *text, const struct trial_scene *scene) {
-    text_append(text, TRIAL_TEXT, "\"constraints\": [{\"type\": \"%s\"", scene->type->name);
+static void write_constraint(FILE *text, const struct trial_scene *scene) {
+    fprintf(text, "\"constraints\": [{\"type\": \"%s\"", scene->type->name);
     for (const pdyn_param *p = scene->type->params; p->name; p++) {
         bool given = p->required || (p->kind == PDYN_REAL && isfinite(p->def) && p->def >= p->min &&
                                      p->def <= p->max);
-        size_t length = strlen(text);
         double value = value_for(p);
         if (p->kind == PDYN_BOOL) write_bool(text, scene, p);
         else if (given && param_is_table(p)) write_table(text, scene, p);
-        else if (given)
-            snprintf(text + length, TRIAL_TEXT - length, format_of[p->kind], p->name, value, value,
-                     value);
+        else if (given) fprintf(text, format_of[p->kind], p->name, value, value, value);
     }
-    text_append(text, TRIAL_TEXT, "}]}");
+    fprintf(text, "}]}");
 }
 
 #define SHEET(vertices)                                                                            \
@@ -130,7 +123,7 @@ static bool needs_other(const pdyn_constraint_type *type) {
            || type_ties_to_other(type);
 }
 
-static void write_scene(char *text, const struct trial_scene *scene) {
+static void write_scene(FILE *text, const struct trial_scene *scene) {
     static const char *const bodies[BODY_KINDS][SIZES] = {
         [SURFACE] = {SHEET("[5, 6]"), SHEET("[46, 46]")},
         [PARTICLES] = {WATER("0.05"), WATER("0.0125")},
@@ -142,28 +135,39 @@ static void write_scene(char *text, const struct trial_scene *scene) {
     static const char *const besides[SIZES] = {BESIDE("0.05"), BESIDE("0.0125")};
     enum body_kind kind = scene->check->kind;
     bool other = kind != PARTICLES || needs_other(scene->type);
-    text_append(text, TRIAL_TEXT,
-                "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.004,"
-                " \"solver\": {\"type\": \"%s\", \"step\": \"%s\", %s},"
-                " \"bodies\": [%s, {\"name\": \"b\", %s, ",
-                scene->solver, scene->step, effort[scene->size], other ? OTHER : drops[scene->size],
-                bodies[kind][scene->size]);
+    fprintf(text,
+            "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.004,"
+            " \"solver\": {\"type\": \"%s\", \"step\": \"%s\", %s},"
+            " \"bodies\": [%s, {\"name\": \"b\", %s, ",
+            scene->solver, scene->step, effort[scene->size], other ? OTHER : drops[scene->size],
+            bodies[kind][scene->size]);
     write_constraint(text, scene);
     if (scene->type->matrix_free) {
-        text_append(text, TRIAL_TEXT, "%s", besides[scene->size]);
+        fprintf(text, "%s", besides[scene->size]);
         write_constraint(text, scene);
     }
-    text_append(text, TRIAL_TEXT, "]}");
+    fprintf(text, "]}");
 }
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
+/* The text of the scene, which the caller frees; NULL: no memory. */
+static char *compose(const struct trial_scene *scene) {
+    char *text = NULL;
+    size_t size;
+    FILE *file = open_memstream(&text, &size);
+    if (!file) return NULL;
+    write_scene(file, scene);
+    if (!fclose(file)) return text;
+    free(text);
+    return NULL;
+}
+
 static pdyn_status parse(pdyn_context *context, const struct trial_scene *scene, pdyn_scene **out) {
-    char *text = NEW_ARRAY(context, TRIAL_TEXT, char);
-    if (!text) return PDYN_NO_MEMORY;
-    write_scene(text, scene);
+    char *text = compose(scene);
+    if (!text) return context_no_memory(context);
     pdyn_status status = pdyn_scene_parse(context, text, "a scene for this type", out);
-    FREE_ARRAY(context, text, TRIAL_TEXT);
+    free(text);
     return status;
 }
 
