@@ -256,7 +256,7 @@ static void test_steady(void **state) {
     assert_int_equal(hanging_iterations(context, "steady", 33), springs);
     assert_true(hanging_iterations(context, "other", 33) > springs);
     expect_reason(context, "steady", "two-level");
-    expect_reason(context, "other", "weights that may change in steps have no coarse space");
+    expect_reason(context, "other", "no coarse space, because no elements with constant weights");
     pdyn_destroy(context);
 }
 

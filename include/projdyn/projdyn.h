@@ -175,9 +175,10 @@ typedef struct pdyn_step_info {
 } pdyn_step_info;
 
 /* Computes one step. info NULL: no results. After a failure (PDYN_DIVERGED, PDYN_SOLVER_FAILED,
- * PDYN_NO_MEMORY) *info is not written, and the simulation has the state of its last successful
- * step, which can be read and saved. Every later step fails with PDYN_BAD_CALL, until pdyn_restore
- * has succeeded: then the simulation continues with the same bits as a new one that restores this
+ * PDYN_NO_MEMORY; PDYN_BAD_INPUT: rows of a plug-in that make no sense, more pairs of contact than
+ * memory) *info is not written, and the simulation has the state of its last successful step, which
+ * can be read and saved. Every later step fails with PDYN_BAD_CALL, until pdyn_restore has
+ * succeeded: then the simulation continues with the same bits as a new one that restores this
  * state. */
 PDYN_API pdyn_status pdyn_step_sized(pdyn_sim *sim, pdyn_step_info *info, size_t size);
 static inline pdyn_status pdyn_step(pdyn_sim *sim, pdyn_step_info *info) {

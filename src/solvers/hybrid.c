@@ -15,7 +15,8 @@ static bool has_coarse_space(const pdyn_model *model) {
 static int suits(const pdyn_model *model, const char **reason) {
     static const char *const reasons[2][2] = {
         {"the newton step changes the matrix in every iteration: block Jacobi costs less than a "
-         "factorisation; weights that may change in steps have no coarse space",
+         "factorisation; there is no coarse space, because no elements with constant weights tie "
+         "particles",
          "the newton step changes the matrix in every iteration: a two-level preconditioner costs "
          "less than a factorisation"},
         {"some constraints change every step; block Jacobi preconditions",
