@@ -221,6 +221,7 @@ static void test_set(void **state) {
     assert_string_equal(info.name, "stiffness");
     assert_true(info.count == 4 && info.width == 1 && info.changeable && info.value[1] == 200.0);
     assert_true(pdyn_get_vector(sim, 0, 1).count == 0 && pdyn_get_vector(sim, 0, 1).width == 3);
+    assert_null(pdyn_get_vector(sim, 0, -1).name);
     steps(sim, 5), steps(other, 5);
     assert_true(pdyn_state_hash(sim) == pdyn_state_hash(other));
     assert_int_equal(pdyn_set_parameter(sim, 0, "target", (double[]){0, 1, 0}, 3), PDYN_OK);

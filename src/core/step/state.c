@@ -115,7 +115,7 @@ static pdyn_vector_info get_vector(const pdyn_sim *sim, int constraint, int vect
     if (!sim_has_constraint(sim, constraint)) return (pdyn_vector_info){0};
     const struct batch *b = sim->objective.batch[constraint];
     const pdyn_param *p = b->type->params;
-    while (p->name && (!is_vector(p) || vector-- > 0)) p++;
+    while (p->name && (!is_vector(p) || vector-- != 0)) p++;
     if (!p->name) return (pdyn_vector_info){0};
     const void *field = (const char *)b->params + p->offset;
     pdyn_vector_info info = {.name = p->name,
