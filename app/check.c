@@ -52,7 +52,8 @@ static int check_plugins_in_child(const struct scene_options *options) {
     if (WIFEXITED(status)) return WEXITSTATUS(status);
     printf(
         "fault: the plug-in crashed (%s); a type that reads triangles, edges or tetrahedra of its "
-        "body says PDYN_ON_SURFACE or PDYN_ON_VOLUME\n",
+        "body says PDYN_ON_SURFACE or PDYN_ON_VOLUME, one that reads neighbour lists "
+        "PDYN_NEIGHBOURS; `update` writes at most `room` elements\n",
         strsignal(WTERMSIG(status)));
     return EXIT_FAILED;
 }

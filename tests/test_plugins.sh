@@ -44,7 +44,7 @@ expect "a name that is taken" 2 'the name "floor" is taken' "$program" list --pl
 # the contract; the crash is in a process of its own
 expect "conformance" 0 "no faults" "$program" check --conformance "$good"
 expect "conformance of a wrong one" 1 "fault: floor (surface): project is no projection" "$program" check --conformance "$wrong"
-expect "conformance of one that crashes" 1 "fault: the plug-in crashed" "$program" check --conformance "$crash"
+expect "conformance of one that crashes" 1 "one that reads neighbour lists PDYN_NEIGHBOURS" "$program" check --conformance "$crash"
 expect "conformance and a scene" 2 "expected no scene file" "$program" check --conformance "$good" sheet.json
 expect "conformance and --set" 2 "expected no scene file, --set or" "$program" check --conformance "$good" --set a=1
 expect "conformance of no plug-in" 2 "not a plug-in" "$program" check --conformance "$empty"
