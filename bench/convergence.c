@@ -1,4 +1,4 @@
-/* Convergence within one step of a scene: error after each outer iteration against the time spent,
+/* Convergence within one step of a scene: error after each outer iteration against processor time,
  * of the projective and the newton step from the same state, both from s without a warm start.
  * Prints CSV:
  *
@@ -37,14 +37,14 @@ struct trace {
 
 static void note(void *user, const pdyn_iteration *it) {
     struct trace *t = user;
-    double now = clock_ms();
+    double now = clock_cpu_ms();
     size_t bytes = 3 * (size_t)t->sim->objective.particles * sizeof(double);
     if (t->count == t->capacity) return;
     struct record *r = &t->record[t->count++];
     *r = (struct record){now - t->start - t->paused, it->energy, it->residual, malloc(bytes)};
     if (!r->x) die("out of memory");
     memcpy(r->x, it->x, bytes);
-    t->paused += clock_ms() - now;
+    t->paused += clock_cpu_ms() - now;
 }
 
 /* Loads the scene with the user's overrides and then those of the measurement. */
@@ -82,7 +82,7 @@ static struct trace solve(pdyn_context *context, const struct input *input, cons
     if (!t.record) die("out of memory");
     copy_state(state, t.sim);
     pdyn_observe(t.sim, note, &t);
-    t.start = clock_ms();
+    t.start = clock_cpu_ms();
     pdyn_step_info info;
     pdyn_status status = *h > 0.0 ? pdyn_step_by(t.sim, *h, &info) : pdyn_step(t.sim, &info);
     if (status != PDYN_OK) die("%s", pdyn_last_error(context));
