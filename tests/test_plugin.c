@@ -278,6 +278,8 @@ static void test_rows(void **state) {
         -1, 0, 1.0, 1.0,
         "sheet:1:162: bodies[0].constraints[0]: constraint \"mine\" on body \"b\": it has -1 "
         "elements");
+    refuse_rows(INT32_MAX, 0, 1.0, 1.0,
+                "constraint \"mine\" on body \"b\": it has 2147483647 elements, expected 0 to");
     refuse_rows(2, 9, 1.0, 1.0, "element 0 selects particle 9, expected 0 to 8");
     refuse_rows(2, -1, 1.0, 1.0, "element 0 selects particle -1, expected 0 to 8");
     refuse_rows(2, 0, NAN, 1.0, "coefficient that is not finite");

@@ -6,6 +6,8 @@
 
 /* ---- setting up ------------------------------------------------------------------------------ */
 
+enum { MAX_ROWS = INT32_MAX / 3 }; /* of a batch: three numbers each */
+
 /* Counts rows and entries of every element. */
 static pdyn_status shape_rows(struct batch *b, int *element_row) {
     const pdyn_constraint_type *t = b->type;
@@ -23,8 +25,7 @@ static pdyn_status shape_rows(struct batch *b, int *element_row) {
         b->dense |= n && width > MAX_DENSE;
         rows += n;
         entries += (long)n * width;
-        if (rows > INT32_MAX / 3 || entries > INT32_MAX)
-            return rows_fault(b, "it has too many rows");
+        if (rows > MAX_ROWS || entries > INT32_MAX) return rows_fault(b, "it has too many rows");
         element_row[e + 1] = (int)rows;
     }
     b->rows = (int)rows, b->entries = (int)entries;
@@ -122,9 +123,10 @@ static pdyn_status create(pdyn_context *context, const struct batch_def *def, bo
     rows_set_grain(b, type->rows, (double)type->rows * type->width);
     b->view.elements = type->update ? 0 : type->elements(def->params, def->body);
     pdyn_status status = PDYN_OK;
-    if (b->view.elements < 0)
-        status = rows_fault(b, "it has %d elements", b->view.elements), b->view.elements = 0;
-    else if (type->update) start_dynamic(b);
+    if (b->view.elements < 0 || b->view.elements > MAX_ROWS) {
+        status = rows_fault(b, "it has %d elements, expected 0 to %d", b->view.elements, MAX_ROWS);
+        b->view.elements = 0;
+    } else if (type->update) start_dynamic(b);
     else status = rows ? create_rows(b) : create_operator(b, def->services);
     if (status == PDYN_OK) return status;
     batch_free(b);
