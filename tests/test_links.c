@@ -97,7 +97,8 @@ static void test_changes(void **state) {
     static const double other[] = {0, 3, 50, 1, 2, 60}, bad[] = {0, 2, 100, 3, 4, 100};
     pdyn_sim *sim = test_load(context, LINKS(BOTH_LINKS));
     assert_int_equal(pdyn_set_parameter(sim, 0, "link", bad, 6), PDYN_BAD_INPUT);
-    assert_error("rows of 3 numbers, the first 2 different vertices from 0 to 3");
+    assert_error("rows of 3 numbers, the first 2 different vertices from 0 to 3, the others from 0 "
+                 "to 1e+12 N/m, found 4 in row 1");
     assert_int_equal(pdyn_set_parameter(sim, 0, "link", other, 6), PDYN_OK);
     test_step(sim);
     assert_memory_equal(pdyn_get_vector(sim, 0, 0).value, other, sizeof other);

@@ -174,17 +174,18 @@ static bool has_rows(const pdyn_param *p, int rows, int count) {
 static pdyn_status check_table(const struct batch *b, const pdyn_param *p, const double *value,
                                int count) {
     char expected[256] = "";
-    int rows = rows_of(b, p), width = param_width(p);
+    int rows = rows_of(b, p), width = param_width(p), vertices = param_vertices(p);
     bool sized = has_rows(p, rows, count);
     int wrong = sized ? find_wrong(b, p, value, count) : 0;
     if (sized && wrong == count) return PDYN_OK;
     table_describe(expected, sizeof expected, p, rows, NULL);
-    if (param_vertices(p))
-        text_append(expected, sizeof expected,
-                    ", the first %d different vertices from 0 to %d, others", param_vertices(p),
-                    b->view.body->count - 1);
-    params_describe_bounds(expected, sizeof expected, rows ? ", or one row for all," : ",", p->min,
-                           p->max, p->unit);
+    if (rows) text_append(expected, sizeof expected, ", or one row for all");
+    if (vertices)
+        text_append(expected, sizeof expected, ", the first %d different vertices from 0 to %d",
+                    vertices, b->view.body->count - 1);
+    if (vertices < width)
+        params_describe_bounds(expected, sizeof expected, vertices ? ", the others" : ",", p->min,
+                               p->max, p->unit);
     if (sized)
         text_append(expected, sizeof expected, ", found %.10g in row %d", value[wrong],
                     wrong / width);
