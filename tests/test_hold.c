@@ -165,15 +165,16 @@ static void test_wrong_holds(void **state) {
     pdyn_sim *sim = test_load(context, inlet);
     const double target[3] = {0};
     assert_true(!pdyn_get_state(sim).live[399]);
-    refused(pdyn_hold(sim, 399, 1.0, target), "particle 399 is not in the scene");
+    refused(pdyn_hold(sim, 399, 1.0, target), "pdyn_hold: particle 399 is not in the scene");
     assert_int_equal(pdyn_hold(sim, 400, 1.0, target), PDYN_BAD_CALL);
     assert_int_equal(pdyn_hold(sim, 0, 1.0, NULL), PDYN_BAD_CALL);
     assert_int_equal(pdyn_release(sim, -1), PDYN_BAD_CALL);
     pdyn_free(sim);
     sim = test_load(context, sheet);
-    refused(pdyn_hold(sim, 0, -1.0, target), "expected a stiffness from 0 to 1e+15 N/m, found -1");
+    refused(pdyn_hold(sim, 0, -1.0, target),
+            "pdyn_hold: expected a stiffness from 0 to 1e+15 N/m, found -1");
     refused(pdyn_hold(sim, 0, 1.0, (double[]){0, NAN, 0}),
-            "expected a target from -1e+06 to 1e+06 m, found nan");
+            "pdyn_hold: expected a target from -1e+06 to 1e+06 m, found nan");
     pdyn_free(sim);
 }
 

@@ -171,7 +171,7 @@ static void test_calls(void **state) {
     assert_int_equal(pdyn_fluid_at(sim, 0, NULL, NULL, NULL), PDYN_OK);
     x[1] = NAN;
     assert_int_equal(pdyn_fluid_at(sim, 1, x, &pressure, NULL), PDYN_BAD_INPUT);
-    assert_message("expected finite coordinates of point 0, found nan");
+    assert_message("pdyn_fluid_at: expected finite coordinates of point 0, found nan");
     assert_null(pdyn_get_probe(sim, 0).name);
     assert_null(pdyn_get_probe(sim, -1).name);
     pdyn_free(sim);

@@ -75,12 +75,13 @@ void control_free(struct pdyn_sim *sim) {
 /* ---- forces ---------------------------------------------------------------------------------- */
 
 /* number: count x 3; NULL: none. */
-static pdyn_status check_numbers(const double *number, int count, double limit, const char *what,
-                                 const char *unit) {
+static pdyn_status check_numbers(const char *function, const double *number, int count,
+                                 double limit, const char *what, const char *unit) {
     for (size_t k = 0; number && k < 3 * (size_t)count; k++)
         if (!(fabs(number[k]) <= limit)) /* or NaN */
-            return set_error(PDYN_BAD_INPUT, "number %zu: expected %s of at most %g %s, found %g",
-                             k, what, limit, unit, number[k]);
+            return set_error(PDYN_BAD_INPUT,
+                             "%s: number %zu: expected %s of at most %g %s, found %g", function, k,
+                             what, limit, unit, number[k]);
     return PDYN_OK;
 }
 
@@ -93,9 +94,9 @@ static bool bad_range(const char *function, const pdyn_sim *sim, int first, int 
     return true;
 }
 
-static pdyn_status change_forces(struct pdyn_sim *sim, int first, int count, const double *force,
-                                 double keep) {
-    pdyn_status status = check_numbers(force, count, 1e15, "a force", "N");
+static pdyn_status change_forces(const char *function, struct pdyn_sim *sim, int first, int count,
+                                 const double *force, double keep) {
+    pdyn_status status = check_numbers(function, force, count, 1e15, "a force", "N");
     if (status != PDYN_OK || (!force && !sim->control.force)) return status;
     double **all = &sim->control.force;
     if (!*all && !(*all = NEW_VECTOR(sim->context, sim->objective.particles)))
@@ -109,12 +110,12 @@ static pdyn_status change_forces(struct pdyn_sim *sim, int first, int count, con
 
 pdyn_status pdyn_set_forces(pdyn_sim *sim, int first, int count, const double *force) {
     if (HAS_NULL(sim) || bad_range(__func__, sim, first, count)) return PDYN_BAD_CALL;
-    return change_forces(sim, first, count, force, 0.0);
+    return change_forces(__func__, sim, first, count, force, 0.0);
 }
 
 pdyn_status pdyn_add_forces(pdyn_sim *sim, int first, int count, const double *force) {
     if (HAS_NULL(sim, force) || bad_range(__func__, sim, first, count)) return PDYN_BAD_CALL;
-    return change_forces(sim, first, count, force, 1.0);
+    return change_forces(__func__, sim, first, count, force, 1.0);
 }
 
 void control_set_gravity(struct pdyn_sim *sim, const double gravity[3]) {
@@ -125,7 +126,7 @@ void control_set_gravity(struct pdyn_sim *sim, const double gravity[3]) {
 
 pdyn_status pdyn_set_gravity(pdyn_sim *sim, const double gravity[3]) {
     if (HAS_NULL(sim, gravity) || control_refuses(__func__, sim)) return PDYN_BAD_CALL;
-    pdyn_status status = check_numbers(gravity, 1, 1e6, "an acceleration", "m/s^2");
+    pdyn_status status = check_numbers(__func__, gravity, 1, 1e6, "an acceleration", "m/s^2");
     if (status != PDYN_OK) return status;
     sim->control.driven = true;
     sim->scene.settings.gravity_keys.replaced = true;
@@ -198,7 +199,7 @@ static pdyn_status check_places(const struct pdyn_sim *sim, int first, int count
 
 pdyn_status pdyn_set_positions(pdyn_sim *sim, int first, int count, const double *x) {
     if (HAS_NULL(sim, x) || bad_range(__func__, sim, first, count)) return PDYN_BAD_CALL;
-    pdyn_status status = check_numbers(x, count, SCENE_MAX_POSITION, "a coordinate", "m");
+    pdyn_status status = check_numbers(__func__, x, count, SCENE_MAX_POSITION, "a coordinate", "m");
     if (status == PDYN_OK) status = check_places(sim, first, count, x);
     if (status == PDYN_OK) status = rigid_fit_check(sim, first, count);
     if (status != PDYN_OK) return status;
@@ -216,7 +217,7 @@ pdyn_status pdyn_set_positions(pdyn_sim *sim, int first, int count, const double
 
 pdyn_status pdyn_set_velocities(pdyn_sim *sim, int first, int count, const double *v) {
     if (HAS_NULL(sim, v) || bad_range(__func__, sim, first, count)) return PDYN_BAD_CALL;
-    pdyn_status status = check_numbers(v, count, STEP_MAX_SPEED, "a velocity", "m/s");
+    pdyn_status status = check_numbers(__func__, v, count, STEP_MAX_SPEED, "a velocity", "m/s");
     if (status == PDYN_OK) status = rigid_fit_check(sim, first, count);
     if (status != PDYN_OK) return status;
     copy_live(sim, first, count, v, sim->v);

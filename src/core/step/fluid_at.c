@@ -116,7 +116,8 @@ pdyn_status pdyn_fluid_at(const pdyn_sim *sim, int count, const double *x, doubl
     if (HAS_NULL(sim) || BAD_ARRAY(x, count)) return PDYN_BAD_CALL;
     for (int k = 0; k < 3 * count; k++)
         if (!isfinite(x[k]))
-            return set_error(PDYN_BAD_INPUT, "expected finite coordinates of point %d, found %g",
+            return set_error(PDYN_BAD_INPUT,
+                             "pdyn_fluid_at: expected finite coordinates of point %d, found %g",
                              k / 3, x[k]);
     double spacing = sim_spacing(sim);
     for (int k = 0; k < count; k++) {

@@ -155,16 +155,19 @@ void holds_free(struct pdyn_sim *sim) {
 static pdyn_status check_hold(struct pdyn_sim *sim, int particle, double stiffness,
                               const double *target) {
     if (!particle_is_live(sim, particle))
-        return set_error(PDYN_BAD_INPUT, "particle %d is not in the scene", particle);
+        return set_error(PDYN_BAD_INPUT, "pdyn_hold: particle %d is not in the scene", particle);
     if (particle >= body_of(sim, particle)->first + body_of(sim, particle)->count)
         return set_error(PDYN_BAD_INPUT,
-                         "particle %d is a point within a rigid body, expected a vertex", particle);
+                         "pdyn_hold: particle %d is a point within a rigid body, expected a vertex",
+                         particle);
     if (!(stiffness >= 0.0 && stiffness <= max_stiffness))
-        return set_error(PDYN_BAD_INPUT, "expected a stiffness from 0 to %g N/m, found %g",
+        return set_error(PDYN_BAD_INPUT,
+                         "pdyn_hold: expected a stiffness from 0 to %g N/m, found %g",
                          max_stiffness, stiffness);
     for (int a = 0; a < 3; a++)
         if (!(fabs(target[a]) <= SCENE_MAX_POSITION))
-            return set_error(PDYN_BAD_INPUT, "expected a target from -%g to %g m, found %g",
+            return set_error(PDYN_BAD_INPUT,
+                             "pdyn_hold: expected a target from -%g to %g m, found %g",
                              SCENE_MAX_POSITION, SCENE_MAX_POSITION, target[a]);
     return PDYN_OK;
 }
