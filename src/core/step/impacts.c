@@ -5,22 +5,24 @@
 
 #include "projdyn/vec3.h"
 
+#include <math.h>
 #include <string.h>
 
-/* The part of an impulse, dv, m/s, that particle i gets: it changes v by at most twice the distance
- * to the Euler velocity, (x_next - x) / h, and v_before by at most twice the distance to v.
- * Without this bound, a light vertex or body that other forces hold against the impulse would get
- * far too large a velocity. */
-static double kept_part(const struct pdyn_sim *sim, int i, double h, const double *dv) {
-    double part = sim->objective.h / h, size = vec3_length(dv), missing = 0.0;
-    for (int k = 3 * i; k < 3 * i + 3; k++) {
+/* The part of an impulse, dv, m/s, that points get: it changes v by at most twice the distance to
+ * the Euler velocity, (x_next - x) / h, and v_before by at most twice the distance to v; each is
+ * the norm over the points. Without this bound, a light vertex or body that other forces hold
+ * against the impulse would get far too large a velocity. */
+static double kept_part(const struct pdyn_sim *sim, int first, int points, double h,
+                        const double *dv) {
+    double part = sim->objective.h / h, size = 0.0, missing = 0.0, changed = 0.0;
+    for (int k = 3 * first; k < 3 * (first + points); k++) {
         double left = (sim->x_next[k] - sim->x[k]) / h - sim->v[k];
-        missing += left * left;
+        double change = sim->v[k] - sim->v_before[k];
+        size += dv[k] * dv[k], missing += left * left, changed += change * change;
     }
-    double changed = vec3_distance(sim->v + 3 * (size_t)i, sim->v_before + 3 * (size_t)i);
-    double kept = 1.0, lost = (1.0 - part) * size, gained = part * size;
+    double kept = 1.0, lost = (1.0 - part) * sqrt(size), gained = part * sqrt(size);
     if (lost * lost > 4.0 * missing) kept = 2.0 * sqrt(missing) / lost;
-    return gained > 2.0 * changed ? fmin(kept, 2.0 * changed / gained) : kept;
+    return gained > 2.0 * sqrt(changed) ? fmin(kept, 2.0 * sqrt(changed) / gained) : kept;
 }
 
 struct impulses {    /* of the impacts of a step, over the mass */
@@ -31,8 +33,23 @@ struct impulses {    /* of the impacts of a step, over the mass */
     double lost[2][3];
 };
 
+/* Sets `kept` of a body. The points of a rigid body have the same part: with different ones, an
+ * impulse would get another moment. */
+static void find_kept(const struct pdyn_sim *sim, const struct objective_body *body, double h,
+                      const struct impulses *impulses) {
+    const struct rigid_map *map = sim->objective.rigid;
+    int rigid = map ? map->owner[body->first] : -1, end = body->first + body->count;
+    if (rigid < 0) {
+        for (int i = body->first; i < end; i++)
+            impulses->kept[i] = kept_part(sim, i, 1, h, impulses->all);
+        return;
+    }
+    double kept = kept_part(sim, end - RIGID_POINTS, RIGID_POINTS, h, impulses->all);
+    for (int i = body->first; i < end; i++) impulses->kept[i] = kept;
+}
+
 /* Moves the impulses of a body in v from the weight h_e to the weight h_e^2 / h, and adds the
- * latter to v_before; sets `kept`. The rest goes to the pins of the body (sim->impacts.passed_on).
+ * latter to v_before. The rest goes to the pins of the body (sim->impacts.passed_on).
  * Without pins, the rest of the impulses between particles is added to `lost`. */
 static void shift_velocities(struct pdyn_sim *sim, int b, double h, struct impulses *impulses) {
     const struct objective *objective = &sim->objective;
@@ -41,10 +58,9 @@ static void shift_velocities(struct pdyn_sim *sim, int b, double h, struct impul
     double part = objective->h / h, *passed_on = sim->impacts.passed_on + 3 * (size_t)b;
     bool pinned = sim_pins_body(sim, b);
     memset(passed_on, 0, 3 * sizeof *passed_on);
+    find_kept(sim, body, h, impulses);
     for (int i = body->first; i < body->first + body->count; i++) {
-        double own = kept_part(sim, i, h, impulse + 3 * i);
-        double left = objective->mass[i] * (1.0 - own);
-        impulses->kept[i] = pinned ? 1.0 : own;
+        double own = impulses->kept[i], left = objective->mass[i] * (1.0 - own);
         for (int k = 3 * i; k < 3 * i + 3; k++) {
             sim->v[k] -= own * (1.0 - part) * impulse[k];
             sim->v_before[k] += own * part * impulse[k];
@@ -53,6 +69,7 @@ static void shift_velocities(struct pdyn_sim *sim, int b, double h, struct impul
             impulses->lost[0][k % 3] -= left * (1.0 - part) * impulses->between[k];
             impulses->lost[1][k % 3] += left * part * impulses->between[k];
         }
+        if (pinned) impulses->kept[i] = 1.0;
     }
 }
 
@@ -88,21 +105,6 @@ static void give_back(struct pdyn_sim *sim, const struct impulses *impulses, dou
         sim->v[k] += share[k / 3] / sum * v[k % 3];
         sim->v_before[k] += share[k / 3] / sum * v_before[k % 3];
     }
-}
-
-/* Reduces the impacts between particles and solids to the part that the velocities of the particles
- * received (`kept`), so that the load on a solid equals the change of momentum of the bodies. The
- * vertices of a rigid body have the mean of its points. */
-static void keep_impacts(struct pdyn_sim *sim, double *kept) {
-    const struct rigid_map *map = sim->objective.rigid;
-    for (int b = 0; map && b < map->bodies; b++) {
-        double *vertex = kept + map->body[b].first, sum = 0.0;
-        const double *point = vertex + map->body[b].vertices;
-        for (int k = 0; k < RIGID_POINTS; k++) sum += point[k] / RIGID_POINTS;
-        for (int k = 0; k < map->body[b].vertices; k++) vertex[k] = sum;
-    }
-    for (int b = 0; b < sim->objective.batches; b++)
-        batch_keep_impacts(sim->objective.batch[b], kept);
 }
 
 /* Whether a particle can be held by forces that are no impacts, of pins or membranes. */
@@ -191,7 +193,8 @@ void impacts_correct(struct pdyn_sim *sim, double h) {
     to_velocities(sim, impulses.all);
     if (any) to_velocities(sim, impulses.between);
     for (int b = 0; b < sim->bodies; b++) shift_velocities(sim, b, h, &impulses);
-    keep_impacts(sim, impulses.kept);
+    for (int b = 0; b < sim->objective.batches; b++)
+        batch_keep_impacts(sim->objective.batch[b], impulses.kept);
     if (any) give_back(sim, &impulses, sim->direction);
     rigid_bodies_project(sim, sim->x_next, sim->v);
     rigid_bodies_project(sim, sim->x, sim->v_before);
