@@ -1,5 +1,5 @@
 /* Contact of rigid bodies: friction on a slope, a stack, a light body under a heavy one, the matrix
- * of bodies in contact, a collision. */
+ * of bodies in contact, a collision, the order of the bodies. */
 #include "contact/contact_parts.h"
 #include "rigid_support.h"
 
@@ -430,6 +430,33 @@ static void test_forces_on_vertices(void **state) {
     test_close(sim);
 }
 
+#define TILTED_BOX(name, mass, place, velocity)                                                    \
+    "{'name': '" name "', 'rigid': {'box': {'minimum': [-0.1, -0.05, -0.08], 'maximum': [0.1, "    \
+    "0.05, 0.08]}, 'mass': " mass ", " place "}, 'velocity': [" velocity ", 0, 0]}"
+#define LEFT TILTED_BOX("left", "1", "'rotate': [-6, 7, 51]", "2")
+#define RIGHT                                                                                      \
+    TILTED_BOX("right", "2", "'rotate': [-4, 1, 10], 'translate': [0.3, 0.03, 0.02]", "-1")
+#define TWO_BOXES(first, second)                                                                   \
+    RIGID_SCENE("0.002", "[0, 0, 0]",                                                              \
+                ", 'contact': {'thickness': 0.006, 'damping_ratio': 1, 'friction': 0}, "           \
+                "'solver': {'tolerance': 1e-9}",                                                   \
+                PAIR(first, second))
+
+/* Two boxes without friction hit each other alike, whichever is the first in the scene. */
+static void test_order(void **state) {
+    (void)state;
+    double v[2][3];
+    for (int k = 0; k < 2; k++) {
+        pdyn_sim *sim = test_open(k ? TWO_BOXES(RIGHT, LEFT) : TWO_BOXES(LEFT, RIGHT));
+        steps(sim, 75);
+        mean_of(sim, k, sim->v, v[k]);
+        test_close(sim);
+    }
+    print_message("%g %g\n", v[0][0], vec3_distance(v[0], v[1]));
+    assert_true(v[0][0] < 0.5);
+    assert_true(vec3_distance(v[0], v[1]) < 1e-7);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_forces_on_vertices),
@@ -449,6 +476,7 @@ int main(void) {
         cmocka_unit_test(test_turntable),
         cmocka_unit_test(test_pinned_plate),
         cmocka_unit_test(test_matrix),
+        cmocka_unit_test(test_order),
         cmocka_unit_test(test_collision_long),
     };
     return cmocka_run_group_tests_name("rigid contact", tests, test_enter_directory,

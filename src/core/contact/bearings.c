@@ -81,10 +81,12 @@ static pdyn_status gather(struct contact *c) {
     return PDYN_OK;
 }
 
+/* r is that of the mean of the contact's two points: neither group is the first. */
 static void add_tilt(const struct contact *c, struct bearing *bearing, int e) {
-    double point[2][3], *r = point[0], weight = c->bearings->contact[e].stiffness;
+    double point[2][3], r[3], weight = c->bearings->contact[e].stiffness;
     points_of(c, bearing, &c->start.stencil[e], point);
-    vec3_add(r, -1.0, bearing->centre[0]);
+    for (int a = 0; a < 3; a++)
+        r[a] = 0.5 * (point[0][a] + point[1][a] - bearing->centre[0][a] - bearing->centre[1][a]);
     vec3_add(r, -vec3_dot(r, bearing->normal), bearing->normal);
     for (int k = 0; k < 9; k++) bearing->tilt[k] += weight * r[k / 3] * r[k % 3];
 }
