@@ -24,6 +24,11 @@ static const struct bad_scene bad_bodies[] = {
     {BODY("{'pin': {}}"),
      "scene.json:2:4: bodies[0]: unknown key \"pin\"; did you mean \"constraints\"?; known: name, "
      "color, particles, surface, volume, rigid, constraints, velocity"},
+    {BODY("{'softbody': {}}"),
+     "scene.json:2:4: bodies[0]: unknown key \"softbody\"; did you mean \"volume\"?; known: *"},
+    {BODY("{'rigid': {'static': true}}"),
+     "scene.json:2:14: bodies[0].rigid: unknown key \"static\"; did you mean \"solids\" of the "
+     "scene?"},
     {BODY("{'particles': {'box': {}}}"),
      "scene.json:2:18: bodies[0].particles: unknown key \"box\"; did you mean \"fill\"?; known: "
      "fill, inlets, overlap, radius, rest_density, budget"},

@@ -21,6 +21,9 @@ static const struct bad_scene bad_constraints[] = {
     {CLOTH("{'type': 'sprnig'}"),
      "scene.json:3:27: bodies[0].constraints[0].type: unknown constraint \"sprnig\"; did "
      "you mean \"spring\"?; known: attachment, *"},
+    {CLOTH("{'type': 'seam'}"),
+     "scene.json:3:27: bodies[0].constraints[0].type: unknown constraint \"seam\"; did you mean "
+     "\"attachment\"?; known: attachment, *"},
     {CLOTH("{'type': 'spring'}"),
      "scene.json:3:18: bodies[0].constraints[0].stretching_stiffness: missing, expected a "
      "number from 0 to 1e+12 N/m"},

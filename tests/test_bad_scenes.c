@@ -37,6 +37,8 @@ static const struct bad_scene bad_scenes[] = {
      "scene.json:2:2: unknown key \"gravty\"; did you mean \"gravity\"?; known: " SCENE_KEYS},
     {TOP("'integrator': 'euler'"),
      "scene.json:2:2: unknown key \"integrator\"; did you mean \"time_step\"?; known: " SCENE_KEYS},
+    {TOP("'emitters': []"),
+     "scene.json:2:2: unknown key \"emitters\"; did you mean \"bodies\"?; known: " SCENE_KEYS},
     {TOP("'\\u0067ravty': [0, 0, 0]"),
      "scene.json:2:2: unknown key \"gravty\"; did you mean \"gravity\"?; known: " SCENE_KEYS},
     {TOP("'gravity': [0, -9.81]"),
