@@ -352,6 +352,38 @@ static void test_bumper(void **state) {
     test_close(sim);
 }
 
+#define CART(motion, minimum, maximum)                                                             \
+    "{'velocity': " motion ", 'rigid': {'box': {'minimum': " minimum ", 'maximum': " maximum       \
+    "}, 'mass': 1}}, "
+#define BUMPER(place)                                                                              \
+    "{'volume': {'grid': {'size': [0.1, 0.1, 0.1], 'cells': [2, 2, 2]}, 'translate': " place       \
+    ", 'density': 50}, 'constraints': [{'type': 'tet', 'stiffness': 1e5}]}"
+
+/* Two pairs of carts 100 m apart meet through light soft bumpers, one pair along x, one along z:
+ * the momentum that the limit of an impulse takes off a bumper stays with its pair. */
+static void test_two_bumpers(void **state) {
+    (void)state;
+    pdyn_sim *sim = test_open(RIGID_SCENE(
+        "0.005", "[0, 0, 0]", ", 'contact': {'thickness': 0.005}, 'solver': {'tolerance': 1e-5}",
+        CART("[2, 0, 0]", "[-0.2, -0.05, -0.05]", "[-0.1, 0.05, 0.05]")
+            CART("[0, 0, 0]", "[0.06, -0.05, -0.05]", "[0.16, 0.05, 0.05]")
+                CART("[0, 0, 2]", "[99.95, -0.05, -0.2]", "[100.05, 0.05, -0.1]")
+                    CART("[0, 0, 0]", "[99.95, -0.05, 0.06]", "[100.05, 0.05, 0.16]")
+                        BUMPER("[0, 0, 0]") ", " BUMPER("[100, 0, 0]")));
+    double along_z = 0.0;
+    for (int n = 0; n < 30; n++) test_step(sim);
+    for (int b = 0; b < 2; b++) {
+        double v[3];
+        mean_of(sim, b, sim->v, v);
+        along_z += v[2];
+    }
+    const struct objective_body *bumper = &sim->objective.body[4];
+    for (int i = bumper->first; i < bumper->first + bumper->count; i++)
+        along_z += sim->objective.mass[i] * sim->v[3 * (size_t)i + 2];
+    assert_true(fabs(along_z) < 1e-4);
+    test_close(sim);
+}
+
 /* A box turns about its middle on the diagonal of a floor of two triangles, which is no bump: mu g
  * m on four corners stops it. */
 static void test_turning_on_a_diagonal(void **state) {
@@ -472,6 +504,7 @@ int main(void) {
         cmocka_unit_test(test_floor_of_triangles),
         cmocka_unit_test(test_spinning_ball_slides),
         cmocka_unit_test(test_bumper),
+        cmocka_unit_test(test_two_bumpers),
         cmocka_unit_test(test_turning_on_a_diagonal),
         cmocka_unit_test(test_turntable),
         cmocka_unit_test(test_pinned_plate),

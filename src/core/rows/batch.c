@@ -233,6 +233,10 @@ bool batch_impacts_between(const struct batch *b, double *force) {
     return true;
 }
 
+void batch_join_impacts(const struct batch *b, int *group) {
+    if (batch_has_impacts(b) && !b->op && b->view.elements) rows_join_between(b, group);
+}
+
 void batch_keep_impacts(struct batch *b, const double *kept) {
     if (batch_has_impacts(b) && !b->op && b->view.elements) rows_keep_impacts(b, kept);
 }

@@ -2,6 +2,7 @@
 #include "rigid_map.h"
 #include "row_loops.h"
 
+#include "base/groups.h"
 #include "projdyn/vec3.h"
 
 #include <math.h>
@@ -113,6 +114,15 @@ void rows_scatter_between(const struct batch *b, double *y) {
         if (sum_of_row(b, r) != 0.0) continue;
         for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
             vec3_add(y + 3 * (size_t)v->column[k], v->coefficient[k], b->flux + 4 * (size_t)r);
+    }
+}
+
+void rows_join_between(const struct batch *b, int *group) {
+    const pdyn_batch *v = &b->view;
+    for (int r = 0; r < v->element_row[v->elements]; r++) {
+        if (vec3_length(b->flux + 4 * (size_t)r) == 0.0 || sum_of_row(b, r) != 0.0) continue;
+        for (int k = v->row_entry[r] + 1; k < v->row_entry[r + 1]; k++)
+            groups_join(group, v->column[k - 1], v->column[k]);
     }
 }
 

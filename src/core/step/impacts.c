@@ -3,6 +3,7 @@
 
 #include "rigid_bodies.h"
 
+#include "base/groups.h"
 #include "projdyn/vec3.h"
 
 #include <math.h>
@@ -29,8 +30,6 @@ struct impulses {    /* of the impacts of a step, over the mass */
     double *all;     /* particles x 3, m/s */
     double *between; /* particles x 3, m/s: of impacts between particles alone */
     double *kept;    /* particles: the part that the velocities receive */
-    /* kg m/s: momentum of v and of v_before that the rest of `between` takes away */
-    double lost[2][3];
 };
 
 /* Sets `kept` of a body. The points of a rigid body have the same part: with different ones, an
@@ -49,8 +48,7 @@ static void find_kept(const struct pdyn_sim *sim, const struct objective_body *b
 }
 
 /* Moves the impulses of a body in v from the weight h_e to the weight h_e^2 / h, and adds the
- * latter to v_before. The rest goes to the pins of the body (sim->impacts.passed_on).
- * Without pins, the rest of the impulses between particles is added to `lost`. */
+ * latter to v_before. The pins of the body get the rest (sim->impacts.passed_on). */
 static void shift_velocities(struct pdyn_sim *sim, int b, double h, struct impulses *impulses) {
     const struct objective *objective = &sim->objective;
     const struct objective_body *body = &objective->body[b];
@@ -65,9 +63,6 @@ static void shift_velocities(struct pdyn_sim *sim, int b, double h, struct impul
             sim->v[k] -= own * (1.0 - part) * impulse[k];
             sim->v_before[k] += own * part * impulse[k];
             passed_on[k % 3] += pinned ? left / objective->h * impulse[k] : 0.0;
-            if (pinned) continue;
-            impulses->lost[0][k % 3] -= left * (1.0 - part) * impulses->between[k];
-            impulses->lost[1][k % 3] += left * part * impulses->between[k];
         }
         if (pinned) impulses->kept[i] = 1.0;
     }
@@ -91,19 +86,57 @@ static void find_shares(const struct pdyn_sim *sim, const double *between, doubl
     }
 }
 
-/* Gives the lost momentum back to the particles that have impulses between particles, in proportion
- * to these: a light particle changes its velocity no more than a heavy one with the same impulse,
- * and a particle without an impulse not at all. */
-static void give_back(struct pdyn_sim *sim, const struct impulses *impulses, double *share) {
-    const double *v = impulses->lost[0], *v_before = impulses->lost[1];
-    double sum = 0.0;
-    if (!(vec3_length(v) > 0.0 || vec3_length(v_before) > 0.0)) return;
+/* Groups of particles that impacts join in this step. A rigid body is in one group. With impacts of
+ * an operator between particles, which has no rows, all particles are. */
+static void find_groups(struct pdyn_sim *sim) {
+    const struct rigid_map *map = sim->objective.rigid;
+    int *group = sim->impacts.group;
+    bool all = false;
+    for (int b = 0; b < sim->objective.batches; b++) {
+        const struct batch *batch = sim->objective.batch[b];
+        all |= !sim->anchored && batch->op && batch_has_impacts(batch);
+    }
+    for (int i = 0; i < sim->objective.particles; i++) {
+        int owner = map ? map->owner[i] : -1;
+        group[i] = all ? 0 : owner < 0 ? i : map->body[owner].first;
+    }
+    for (int b = 0; b < sim->objective.batches && !all; b++)
+        batch_join_impacts(sim->objective.batch[b], group);
+}
+
+/* Whether `kept` takes a part of an impulse between particles away. */
+static bool loses_momentum(const struct objective *objective, const struct impulses *impulses) {
+    for (int i = 0; i < objective->particles; i++)
+        if (impulses->kept[i] < 1.0 && objective->mass[i] > 0.0 &&
+            vec3_length(impulses->between + 3 * (size_t)i) > 0.0)
+            return true;
+    return false;
+}
+
+/* Gives the momentum that the rest of the impulses between particles takes away back to the
+ * particles of the same group, in proportion to their impulses: a light particle changes its
+ * velocity no more than a heavy one with the same impulse, and a particle without an impulse not at
+ * all. Overwrites impulses->all with the lost momenta of the groups; share: particles x 3. */
+static void give_back(struct pdyn_sim *sim, double h, const struct impulses *impulses,
+                      double *share) {
+    const struct objective *objective = &sim->objective;
+    double part = objective->h / h, *lost = impulses->all, *sum = share + objective->particles;
+    if (!loses_momentum(objective, impulses)) return;
     find_shares(sim, impulses->between, share);
-    for (int i = 0; i < sim->objective.particles; i++) sum += sim->objective.mass[i] * share[i];
-    if (!(sum > 0.0)) return;
-    for (int k = 0; k < 3 * sim->objective.particles; k++) {
-        sim->v[k] += share[k / 3] / sum * v[k % 3];
-        sim->v_before[k] += share[k / 3] / sum * v_before[k % 3];
+    find_groups(sim);
+    memset(lost, 0, objective_bytes(objective));
+    memset(sum, 0, (size_t)objective->particles * sizeof *sum);
+    for (int i = 0; i < objective->particles; i++) {
+        int first = groups_first(sim->impacts.group, i);
+        double left = objective->mass[i] * (1.0 - impulses->kept[i]);
+        vec3_add(lost + 3 * (size_t)first, left, impulses->between + 3 * (size_t)i);
+        sum[first] += objective->mass[i] * share[i];
+    }
+    for (int i = 0; i < objective->particles; i++) {
+        int first = groups_first(sim->impacts.group, i);
+        double given = sum[first] > 0.0 ? share[i] / sum[first] : 0.0;
+        vec3_add(sim->v + 3 * (size_t)i, -(1.0 - part) * given, lost + 3 * (size_t)first);
+        vec3_add(sim->v_before + 3 * (size_t)i, part * given, lost + 3 * (size_t)first);
     }
 }
 
@@ -193,9 +226,9 @@ void impacts_correct(struct pdyn_sim *sim, double h) {
     to_velocities(sim, impulses.all);
     if (any) to_velocities(sim, impulses.between);
     for (int b = 0; b < sim->bodies; b++) shift_velocities(sim, b, h, &impulses);
+    if (any) give_back(sim, h, &impulses, sim->direction);
     for (int b = 0; b < sim->objective.batches; b++)
         batch_keep_impacts(sim->objective.batch[b], impulses.kept);
-    if (any) give_back(sim, &impulses, sim->direction);
     rigid_bodies_project(sim, sim->x_next, sim->v);
     rigid_bodies_project(sim, sim->x, sim->v_before);
 }

@@ -79,6 +79,7 @@ struct pdyn_sim {
         double left_out;   /* 1 - (h_e / h)^2: the part of their forces that does not change
                               velocities */
         double *passed_on; /* bodies x 3, N: force of impacts that the body's pins take up */
+        int *group;        /* particles: those that impacts of a step join (base/groups.h) */
     } impacts;
     struct solid_loads *loads; /* forces on solids; NULL in a scene without solids */
 
