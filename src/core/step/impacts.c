@@ -69,15 +69,16 @@ static void shift_velocities(struct pdyn_sim *sim, int b, double h, struct impul
 }
 
 /* share[i]: size of the impulse of particle i, kg m/s; for the points of a rigid body the sum over
- * them; 0 for pinned bodies. */
+ * them; -INFINITY for pinned bodies. */
 static void find_shares(const struct pdyn_sim *sim, const double *between, double *share) {
     const struct objective *objective = &sim->objective;
     const struct rigid_map *map = objective->rigid;
     for (int b = 0; b < sim->bodies; b++) {
         const struct objective_body *body = &objective->body[b];
-        double free = sim_pins_body(sim, b) ? 0.0 : 1.0;
+        bool pinned = sim_pins_body(sim, b);
         for (int i = body->first; i < body->first + body->count; i++)
-            share[i] = free * objective->mass[i] * vec3_length(between + 3 * (size_t)i);
+            share[i] =
+                pinned ? -INFINITY : objective->mass[i] * vec3_length(between + 3 * (size_t)i);
     }
     for (int b = 0; map && b < map->bodies; b++) {
         double *point = share + map->body[b].first + map->body[b].vertices, sum = 0.0;
@@ -116,7 +117,9 @@ static bool loses_momentum(const struct objective *objective, const struct impul
 /* Gives the momentum that the rest of the impulses between particles takes away back to the
  * particles of the same group, in proportion to their impulses: a light particle changes its
  * velocity no more than a heavy one with the same impulse, and a particle without an impulse not at
- * all. Overwrites impulses->all with the lost momenta of the groups; share: particles x 3. */
+ * all. In a group with a pinned body the pins take it: a light vertex at that body would get back
+ * all that the limit has taken. Overwrites impulses->all with the lost momenta of the groups;
+ * share: particles x 3. */
 static void give_back(struct pdyn_sim *sim, double h, const struct impulses *impulses,
                       double *share) {
     const struct objective *objective = &sim->objective;
@@ -130,7 +133,7 @@ static void give_back(struct pdyn_sim *sim, double h, const struct impulses *imp
         int first = groups_first(sim->impacts.group, i);
         double left = objective->mass[i] * (1.0 - impulses->kept[i]);
         vec3_add(lost + 3 * (size_t)first, left, impulses->between + 3 * (size_t)i);
-        sum[first] += objective->mass[i] * share[i];
+        sum[first] += share[i] < 0.0 ? share[i] : objective->mass[i] * share[i];
     }
     for (int i = 0; i < objective->particles; i++) {
         int first = groups_first(sim->impacts.group, i);
