@@ -698,6 +698,47 @@ static void test_default(void **state) {
     }
 }
 
+/* The contact force of a disc of 16 triangles around its centre on a small pinned sheet above it. A
+ * corner of the sheet is this far from the centre of the disc, m. */
+static double force_above_disc(double x, double z) {
+    char text[640];
+    snprintf(text, sizeof text,
+             "{'duration': 1, 'gravity': [0, 0, 0], 'time_step': {'fixed': 0.001}, 'contact': "
+             "{'thickness': 0.005, 'stiffness': 1000, 'self': false}, 'bodies': [{'surface': "
+             "{'grid': {'size': [0.01, 0.01], 'vertices': [2, 2]}, 'translate': [%.17g, 0.0035, "
+             "%.17g], 'area_density': 1}, 'constraints': [{'type': 'pin', 'vertices': {'all': "
+             "true}}]}], 'solids': [{'mesh': 'disc.obj'}]}",
+             x + 0.005, z + 0.005);
+    pdyn_sim *sim = test_open(text);
+    double force[3], moment[3];
+    test_step(sim);
+    assert_int_equal(pdyn_solid_load(sim, 0, force, moment), PDYN_OK);
+    test_close(sim);
+    return -force[1];
+}
+
+/* A flat disc pushes with the same force everywhere, also beside the point where its triangles
+ * meet. */
+static void test_flat_disc(void **state) {
+    (void)state;
+    char text[2048] = "v 0 0 0\n";
+    int n = (int)strlen(text);
+    for (int k = 0; k < 16; k++)
+        n += snprintf(text + n, sizeof text - (size_t)n, "v %.17g 0 %.17g\n",
+                      0.1 * cos(k * M_PI / 8), 0.1 * sin(k * M_PI / 8));
+    for (int k = 0; k < 16; k++)
+        n += snprintf(text + n, sizeof text - (size_t)n, "f 1 %d %d\n", k + 2, (k + 1) % 16 + 2);
+    test_write_text("disc.obj", text);
+    double force = force_above_disc(0.02, 0.03);
+    assert_true(force > 1.0);
+    for (int k = 0; k < 7; k++) {
+        double x = 5e-4 * cos(k), z = 5e-4 * sin(k);
+        assert_true(fabs(force_above_disc(x, z) / force - 1.0) < 1e-6);
+        assert_true(fabs(force_above_disc(1e-4 * x, 1e-4 * z) / force - 1.0) < 1e-6);
+    }
+    test_remove_file("disc.obj");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_intersect),
@@ -716,6 +757,7 @@ int main(void) {
         cmocka_unit_test(test_press),
         cmocka_unit_test(test_parallel),
         cmocka_unit_test(test_squeeze),
+        cmocka_unit_test(test_flat_disc),
         cmocka_unit_test(test_momentum),
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_allocations),

@@ -1,8 +1,8 @@
 /* Flat parts of solids and rigid bodies: triangles in one plane, with their common sides, and the
  * points that have such sides all around. Against a plane, the pairs of its faces with the vertices
- * of the other body suffice, so these sides and points take no part in contact; and of two
- * triangles that meet at such a side only the nearer one pairs with a vertex. Otherwise a floor of
- * triangles would have bumps at its edges: two pairs push where one does elsewhere. */
+ * of the other body suffice, so these sides and points take no part in contact; and of the
+ * triangles that meet at such a side, or around a point, only the nearest one pairs with a vertex.
+ * Otherwise a floor of triangles would have bumps: two pairs push where one does elsewhere. */
 #include "contact_parts.h"
 
 #include "projdyn/vec3.h"
@@ -131,35 +131,64 @@ void contact_side(const struct contact *c, const struct pair *p, double side[3])
     vec3_subtract(side, c->at + 3 * (size_t)end[1], c->at + 3 * (size_t)end[0]);
 }
 
-/* Relative difference of distances that are the same; weight of a corner at its opposite side.
- * Below both, a vertex is above a side, and the face of the lower number touches it. */
+/* Relative difference of distances that are the same; weight of a corner that is 0. Where both are
+ * below, a vertex is above a common side or corner, and the face of the lowest number touches it.
+ */
 static const double same = 1e-9;
 
-/* The weight of the corner of a face that `beyond`, its neighbour, does not have. */
-static double weight_beyond(const struct contact *c, int face, int beyond, const double w[4]) {
-    const int *own = c->face + 3 * face, *other = c->face + 3 * beyond;
+/* The sum of the weights of the corners of a face that `other` does not have. */
+static double weight_beyond(const struct contact *c, int face, int other, const double w[4]) {
+    const int *own = c->face + 3 * face, *shared = c->face + 3 * other;
+    double sum = 0.0;
     for (int k = 0; k < 3; k++)
-        if (own[k] != other[0] && own[k] != other[1] && own[k] != other[2]) return fabs(w[1 + k]);
-    return 0.0;
+        if (own[k] != shared[0] && own[k] != shared[1] && own[k] != shared[2])
+            sum += fabs(w[1 + k]);
+    return sum;
+}
+
+/* Whether another face of the flat part touches the vertex in place of the face of the pair. */
+static bool yields_to(const struct contact *c, const struct pair *p, const struct hit *hit,
+                      int other) {
+    const int *corner = c->face + 3 * other, face = pair_second(p),
+              point[4] = {p->point[0], corner[0], corner[1], corner[2]};
+    const double *x[4];
+    double w[4];
+    pair_load(point, c->at, x);
+    double distance = sqrt(pair_vertex_face.closest(x, w));
+    if (distance > (1.0 + same) * hit->distance) return false;
+    return distance < (1.0 - same) * hit->distance || other < face ||
+           weight_beyond(c, other, face, w) > same;
+}
+
+/* The face that follows around a point: across the flat side of `face` at this point that does not
+ * lead back. -1: there is none. */
+static int next_around(const struct contact *c, int point, int face, int back) {
+    for (int k = 0; k < 3; k++) {
+        int across = c->flat.across[3 * face + k];
+        if (c->face[3 * face + k] != point && across >= 0 && across != back) return across;
+    }
+    return -1;
+}
+
+/* The corner of the face that is the closest point of a hit; -1: none. */
+static int closest_corner(const struct pair *p, const struct hit *hit) {
+    for (int k = 1; k < 4; k++)
+        if (fabs(hit->c[k]) > 1.0 - same) return p->point[k];
+    return -1;
 }
 
 bool contact_is_beyond_flat_side(const struct contact *c, const struct pair *p,
                                  const struct hit *hit) {
     int face = pair_second(p);
     if (pair_kind_of(p->key) != &pair_vertex_face) return false;
+    int corner = closest_corner(p, hit);
     for (int k = 0; k < 3; k++) {
-        int other = c->flat.across[3 * face + k];
-        if (other < 0 || fabs(hit->c[1 + k]) > same) continue;
-        const int *corner = c->face + 3 * other,
-                  point[4] = {p->point[0], corner[0], corner[1], corner[2]};
-        const double *x[4];
-        double w[4];
-        pair_load(point, c->at, x);
-        double distance = sqrt(pair_vertex_face.closest(x, w));
-        if (distance > (1.0 + same) * hit->distance) continue;
-        if (distance < (1.0 - same) * hit->distance || other < face ||
-            weight_beyond(c, other, face, w) > same)
-            return true;
+        if (fabs(hit->c[1 + k]) > same) continue;
+        for (int back = face, other = c->flat.across[3 * face + k]; other >= 0 && other != face;) {
+            if (yields_to(c, p, hit, other)) return true;
+            int next = corner < 0 ? -1 : next_around(c, corner, other, back);
+            back = other, other = next;
+        }
     }
     return false;
 }
