@@ -98,6 +98,56 @@ static void test_tetrahedra(void **state) {
     pdyn_destroy(context);
 }
 
+/* Two sheets as ears of a cube of 1 m with cells of 0.1 m, each 0.1 m wide, from its middle to 1 m
+ * above it. */
+static struct mesh make_ears(pdyn_context *context) {
+    struct mesh ear, ears;
+    assert_int_equal(
+        mesh_grid(context, (const double[]){0.1, 1.5}, (const int[]){3, 31}, 0.0, &ear), PDYN_OK);
+    assert_int_equal(mesh_allocate(context, 2 * ear.vertices, 2 * ear.triangles, &ears), PDYN_OK);
+    for (int i = 0; i < ears.vertices; i++) {
+        const double *at = ear.vertex + 3 * (i % ear.vertices);
+        double *x = ears.vertex + 3 * i;
+        x[0] = at[0] + (i < ear.vertices ? -0.3 : 0.3), x[1] = at[2] + 0.75;
+    }
+    for (int k = 0; k < 3 * ears.triangles; k++) {
+        int second = k >= 3 * ear.triangles;
+        ears.triangle[k] = ear.triangle[k - second * 3 * ear.triangles] + second * ear.vertices;
+    }
+    mesh_free(context, &ear);
+    return ears;
+}
+
+/* Parts far from the tetrahedra: weights are bounded, and a part follows four vertices. */
+static void test_far_parts(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    struct mesh mesh, ears = make_ears(context);
+    struct tets tets;
+    struct embedding e;
+    assert_int_equal(
+        tets_grid(context, (const double[]){1, 1, 1}, (const int[]){10, 10, 10}, &mesh, &tets),
+        PDYN_OK);
+    assert_int_equal(embedding_create(context, mesh.vertex, &tets, &ears, &e), PDYN_OK);
+    assert_carried(&e, &ears, &mesh);
+    for (int i = 0; i < e.count; i++) {
+        const double *w = e.weight + 4 * i;
+        assert_true(fabs(w[0]) + fabs(w[1]) + fabs(w[2]) + fabs(w[3]) < 4.0);
+    }
+    int half = ears.vertices / 2, tip = half - 1, end = ears.vertices - 1;
+    for (int i = 0; i < e.count; i++) {
+        if (ears.vertex[3 * i + 1] < 0.65) continue;
+        const int *of_part = e.corner + 4 * (i < half ? tip : end);
+        assert_memory_equal(e.corner + 4 * i, of_part, 4 * sizeof *of_part);
+    }
+    assert_memory_not_equal(e.corner + 4 * tip, e.corner + 4 * end, 4 * sizeof *e.corner);
+    embedding_free(context, &e);
+    mesh_free(context, &ears), mesh_free(context, &mesh);
+    tets_free(context, &tets);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
 static void test_span(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -152,6 +202,7 @@ static void test_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_tetrahedra),
+                                       cmocka_unit_test(test_far_parts),
                                        cmocka_unit_test(test_span), cmocka_unit_test(test_memory)};
     return cmocka_run_group_tests_name("embedding", tests, NULL, NULL);
 }

@@ -6,6 +6,9 @@
 #include <math.h>
 #include <string.h>
 
+/* Least coordinate below which a point is far from its tetrahedron: beyond half of a height. */
+static const double far = -0.5;
+
 /* ---- the tetrahedron of a point -------------------------------------------------------------- */
 
 struct search {
@@ -16,8 +19,11 @@ struct search {
     double least, weight[4];
 };
 
-static void barycentric(const double *const y[4], const double x[3], double weight[4]) {
+/* Barycentric coordinates of x. */
+static void weigh(const double *rest, const int corner[4], const double x[3], double weight[4]) {
+    const double *y[4];
     double edge[3][3], normal[3], to[3];
+    for (int k = 0; k < 4; k++) y[k] = rest + 3 * (size_t)corner[k];
     for (int k = 0; k < 3; k++) vec3_subtract(edge[k], y[k + 1], y[0]);
     vec3_subtract(to, x, y[0]);
     weight[0] = 1.0;
@@ -28,13 +34,15 @@ static void barycentric(const double *const y[4], const double x[3], double weig
     }
 }
 
+static double least_of(const double weight[4]) {
+    return fmin(fmin(weight[0], weight[1]), fmin(weight[2], weight[3]));
+}
+
 static void try_tet(void *user, int t) {
     struct search *s = user;
-    const double *y[4];
     double weight[4];
-    for (int k = 0; k < 4; k++) y[k] = s->rest + 3 * (size_t)s->tets->corner[4 * (size_t)t + k];
-    barycentric(y, s->x, weight);
-    double least = fmin(fmin(weight[0], weight[1]), fmin(weight[2], weight[3]));
+    weigh(s->rest, s->tets->corner + 4 * (size_t)t, s->x, weight);
+    double least = least_of(weight);
     if (s->best >= 0 && !(least > s->least)) return;
     s->best = t, s->least = least;
     memcpy(s->weight, weight, sizeof weight);
@@ -48,6 +56,144 @@ static void find_tet(const struct bvh *tree, double first, struct search *s) {
         struct box near = box_of_ball(s->x, reach);
         bvh_visit(tree, &near, try_tet, s);
     }
+}
+
+/* ---- four vertices that span a large tetrahedron --------------------------------------------- */
+
+/* Square of the length, area or volume that a point adds to the first `n` of four. */
+static double spanned(const double *const y[4], int n, const double x[3]) {
+    double a[3], b[3], c[3], normal[3];
+    vec3_subtract(a, x, y[0]);
+    if (n == 1) return vec3_dot(a, a);
+    vec3_subtract(b, y[1], y[0]);
+    vec3_cross(normal, b, a);
+    if (n == 2) return vec3_dot(normal, normal);
+    vec3_subtract(c, y[2], y[0]);
+    return vec3_dot(normal, c) * vec3_dot(normal, c);
+}
+
+/* ---- parts far from the tetrahedra ----------------------------------------------------------- */
+
+/* Parts of the mesh without tetrahedra, as ears thinner than a cell. Bound to the nearest
+ * tetrahedron, the vertices of a part would be extrapolated over many times its size, and
+ * neighbours would follow different ones. Four vertices far apart carry all of the part. */
+
+struct part {
+    int hub;      /* the vertex of tetrahedra that is nearest to the part */
+    double reach; /* m, from the hub to the vertices of the part and of their tetrahedra */
+};
+
+struct spread {
+    const double *rest;
+    const struct tets *tets;
+    double reach; /* m, from the first vertex */
+    int n;        /* vertices found */
+    int corner[4];
+    const double *y[4];
+    double most; /* that the next vertex adds */
+};
+
+static void try_corners(void *user, int t) {
+    struct spread *s = user;
+    for (int k = 0; k < 4; k++) {
+        int i = s->tets->corner[4 * (size_t)t + k];
+        const double *y = s->rest + 3 * (size_t)i;
+        double more = spanned(s->y, s->n, y);
+        if (more <= s->most || vec3_distance(y, s->y[0]) > s->reach) continue;
+        s->most = more, s->corner[s->n] = i, s->y[s->n] = y;
+    }
+}
+
+/* Finds three more vertices of tetrahedra within twice the reach of a part from its hub. */
+static void find_spread(const struct bvh *tree, const double *rest, const struct tets *tets,
+                        const struct part *part, int corner[4]) {
+    struct spread s = {.rest = rest, .tets = tets, .reach = 2.0 * part->reach};
+    s.corner[0] = part->hub, s.y[0] = rest + 3 * (size_t)part->hub;
+    const struct box near = box_of_ball(s.y[0], s.reach);
+    for (s.n = 1; s.n < 4; s.n++) {
+        s.most = 0.0;
+        bvh_visit(tree, &near, try_corners, &s);
+    }
+    memcpy(corner, s.corner, sizeof s.corner);
+}
+
+struct parts {
+    const double *rest;
+    const struct mesh *mesh;
+    int *label;        /* vertices of the mesh: the first vertex of the part; -1: near tetrahedra */
+    struct part *part; /* vertices of the mesh: of the part that begins there */
+};
+
+/* Labels the vertices of each part, which triangles join. */
+static void label_parts(struct parts *p, const struct embedding *e) {
+    for (int i = 0; i < e->count; i++)
+        p->label[i] = least_of(e->weight + 4 * (size_t)i) < far ? i : -1;
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (int k = 0; k < 3 * p->mesh->triangles; k++) {
+            int *a = p->label + p->mesh->triangle[k];
+            int *b = p->label + p->mesh->triangle[k % 3 < 2 ? k + 1 : k - 2];
+            if (*a < 0 || *b < 0 || *a == *b) continue;
+            *a = *b = *a < *b ? *a : *b;
+            changed = true;
+        }
+    }
+}
+
+static struct part *part_of(const struct parts *p, int vertex) {
+    return p->label[vertex] < 0 ? NULL : &p->part[p->label[vertex]];
+}
+
+static void find_hubs(const struct parts *p, const struct embedding *e) {
+    for (int i = 0; i < e->count; i++) p->part[i].reach = INFINITY;
+    for (int k = 0; k < 4 * e->count; k++) {
+        const double *x = p->mesh->vertex + 3 * (size_t)(k / 4);
+        double distance = vec3_distance(x, p->rest + 3 * (size_t)e->corner[k]);
+        struct part *part = part_of(p, k / 4);
+        if (part && distance < part->reach) *part = (struct part){e->corner[k], distance};
+    }
+}
+
+static void find_reaches(const struct parts *p, const struct embedding *e) {
+    for (int k = 0; k < 4 * e->count; k++) {
+        struct part *part = part_of(p, k / 4);
+        if (!part) continue;
+        const double *hub = p->rest + 3 * (size_t)part->hub;
+        double to_vertex = vec3_distance(hub, p->mesh->vertex + 3 * (size_t)(k / 4));
+        double to_corner = vec3_distance(hub, p->rest + 3 * (size_t)e->corner[k]);
+        part->reach = fmax(part->reach, fmax(to_vertex, to_corner));
+    }
+}
+
+/* Binds each part to its hub and to three vertices within twice its reach. */
+static void bind_parts(const struct parts *p, const struct tets *tets, const struct bvh *tree,
+                       struct embedding *e) {
+    for (int i = 0; i < e->count; i++) {
+        int first = p->label[i], *corner = e->corner + 4 * (size_t)i;
+        if (first < 0) continue;
+        if (first == i) find_spread(tree, p->rest, tets, &p->part[i], corner);
+        else memcpy(corner, e->corner + 4 * (size_t)first, 4 * sizeof *corner);
+        weigh(p->rest, corner, p->mesh->vertex + 3 * (size_t)i, e->weight + 4 * (size_t)i);
+    }
+}
+
+static pdyn_status bind_far_parts(pdyn_context *context, const struct search *s,
+                                  const struct mesh *mesh, const struct bvh *tree,
+                                  struct embedding *e) {
+    struct parts p = {.rest = s->rest,
+                      .mesh = mesh,
+                      .label = NEW_ARRAY(context, e->count, int),
+                      .part = NEW_ARRAY(context, e->count, struct part)};
+    pdyn_status status = p.label && p.part ? PDYN_OK : PDYN_NO_MEMORY;
+    if (status == PDYN_OK) {
+        label_parts(&p, e);
+        find_hubs(&p, e);
+        find_reaches(&p, e);
+        bind_parts(&p, s->tets, tree, e);
+    }
+    FREE_ARRAY(context, p.label, e->count);
+    FREE_ARRAY(context, p.part, e->count);
+    return status;
 }
 
 /* ---- all points ------------------------------------------------------------------------------ */
@@ -90,6 +236,7 @@ pdyn_status embedding_create(pdyn_context *context, const double *rest, const st
         double reach = make_boxes(rest, tets, box);
         bvh_build(&tree, box, tets->count);
         bind_points(&tree, reach, &search, mesh, out);
+        status = bind_far_parts(context, &search, mesh, &tree, out);
         bvh_free(context, &tree);
     }
     FREE_ARRAY(context, box, tets->count);
@@ -103,18 +250,6 @@ void embedding_free(pdyn_context *context, struct embedding *embedding) {
 }
 
 /* ---- a tetrahedron for all points ------------------------------------------------------------ */
-
-/* Square of the length, area or volume that a point adds to the first `n` of four. */
-static double spanned(const double *const y[4], int n, const double x[3]) {
-    double a[3], b[3], c[3], normal[3];
-    vec3_subtract(a, x, y[0]);
-    if (n == 1) return vec3_dot(a, a);
-    vec3_subtract(b, y[1], y[0]);
-    vec3_cross(normal, b, a);
-    if (n == 2) return vec3_dot(normal, normal);
-    vec3_subtract(c, y[2], y[0]);
-    return vec3_dot(normal, c) * vec3_dot(normal, c);
-}
 
 void embedding_span(const double *x, int count, int corner[4]) {
     const double *y[4] = {x};

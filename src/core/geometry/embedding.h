@@ -3,7 +3,8 @@
  *
  *     x = sum_k w_k y_k,     sum_k w_k = 1,     k = 0 .. 3
  *
- * A point outside has negative coordinates and is extrapolated. */
+ * A point outside has negative coordinates and is extrapolated. A part of a mesh that is far from
+ * all tetrahedra is bound to four vertices that span a large one. */
 #ifndef PDYN_EMBEDDING_H
 #define PDYN_EMBEDDING_H
 
@@ -11,7 +12,7 @@
 
 struct embedding {
     int count;
-    int *corner;    /* count x 4: vertices of the tetrahedron */
+    int *corner;    /* count x 4: vertices of a tetrahedron */
     double *weight; /* count x 4 */
 };
 
