@@ -20,6 +20,7 @@ static void test_sphere(void **state) {
     const double center[3] = {1, -2, 3};
     const struct scene_body *body =
         read_good_fill(0.01, "{'sphere': {'center': [1, -2, 3], 'radius': 1}}", &scene);
+    assert_volume(body, 4.0 / 3.0 * pi * body->fill[0].part, 1e-12);
     assert_volume(body, 4.0 / 3.0 * pi, 0.035);
     assert_volume(body, 4.0 / 3.0 * pi * pow(0.99, 3.0), 0.005);
     double nearest = HUGE_VAL;
@@ -98,6 +99,7 @@ static void test_torus(void **state) {
     const double radius = 0.01, facets = 1e-3; /* distance of the chords from the arcs, m */
     write_torus(false);
     const struct scene_body *body = read_good_fill(radius, "{'mesh': 'torus.obj'}", &scene);
+    assert_volume(body, 2.0 * pi * pi * ring * tube * tube * body->fill[0].part, 0.002);
     assert_volume(body, 2.0 * pi * pi * ring * tube * tube, 0.06);
     assert_volume(body, 2.0 * pi * pi * ring * pow(tube - radius, 2.0), 0.01);
     for (int i = 0; i < body->start.count; i++) {
@@ -200,7 +202,18 @@ static void test_octahedron(void **state) {
     test_remove_file("octahedron.obj");
 }
 
-/* Two cubes that share an edge (of four triangles), and a hollow cube. */
+/* Fills parts.obj, of which particles of radius 0.05 m take all of the volume. */
+static int fill_parts(void) {
+    struct scene scene;
+    const struct scene_body *body = read_good_fill(0.05, "{'mesh': 'parts.obj'}", &scene);
+    int count = body->start.count;
+    assert_true(fabs(body->fill[0].part - 1.0) < 1e-12);
+    free_good(&scene);
+    return count;
+}
+
+/* Two cubes that share an edge (of four triangles), and a hollow cube, which faces outwards within,
+ * too. */
 static void test_several_parts(void **state) {
     (void)state;
     static const char shared[] = "v 1 1 0\nv 2 1 0\nv 1 2 0\nv 2 2 0\nv 1 1 1\nv 2 1 1\n"
@@ -209,18 +222,15 @@ static void test_several_parts(void **state) {
                                  "f 4 8 15 11\nf 10 12 16 14\n";
     static const char inner[] = "v .3 .3 .3\nv .7 .3 .3\nv .3 .7 .3\nv .7 .7 .3\nv .3 .3 .7\n"
                                 "v .7 .3 .7\nv .3 .7 .7\nv .7 .7 .7\n"
-                                "f 9 10 12 11\nf 13 15 16 14\nf 9 13 14 10\nf 11 12 16 15\n"
-                                "f 9 11 15 13\nf 10 14 16 12\n";
+                                "f 9 11 12 10\nf 13 14 16 15\nf 9 10 14 13\nf 11 15 16 12\n"
+                                "f 9 13 15 11\nf 10 12 16 14\n";
     char data[2048];
-    struct scene scene;
     snprintf(data, sizeof data, "%s%s", cube, shared);
     test_write_text("parts.obj", data);
-    assert_int_equal(read_good_fill(0.05, "{'mesh': 'parts.obj'}", &scene)->start.count, 2000);
-    free_good(&scene);
+    assert_int_equal(fill_parts(), 2000);
     snprintf(data, sizeof data, "%s%s", cube, inner);
     test_write_text("parts.obj", data);
-    assert_int_equal(read_good_fill(0.05, "{'mesh': 'parts.obj'}", &scene)->start.count, 1000 - 64);
-    free_good(&scene);
+    assert_int_equal(fill_parts(), 1000 - 64);
     test_remove_file("parts.obj");
 }
 
@@ -319,8 +329,8 @@ static void test_overlap_of_fills(void **state) {
         below += low;
     }
     assert_true(below < 500 && body->start.count < 1000);
-    assert_int_equal(body->fill_end[0], below);
-    assert_int_equal(body->fill_end[1], body->start.count);
+    assert_int_equal(body->fill[0].end, below);
+    assert_int_equal(body->fill[1].end, body->start.count);
     scene_free(context, &scene);
 }
 

@@ -155,6 +155,8 @@ MISTAKES = [
             "water: frames have coordinates to 0.003 m at 50000.2 m from the origin, its particles are 0.04 m apart: move the scene to the origin [scale]"),
     Mistake("particles that do not fit the edges of their box", change(("bodies.0.particles.radius", 0.0167), *WATER_ONLY),
             "fill 70.4 % of a box of 0.4 x 0.12 x 0.4 m; particles of radius 0.02 m fill 100 %"),
+    Mistake("particles too large for a ball", change(("bodies.0.particles.fill.0", {"sphere": {"center": [0, 0.06, 0], "radius": 0.06}}), *WATER_ONLY),
+            "water: particles of radius 0.02 m fill 50 % of the volume of fill[0]; smaller ones fill more of it [coarse]"),
     Mistake("a jet as thin as a particle", change(("bodies.0.particles", {"radius": 0.02, "inlets": [
         {**JET, "disc": {"center": [0, 0.2, 0], "radius": 0.04}}]}), *WATER_ONLY),
             "a layer of 5 particles of radius 0.02 m has 159 % of the area of its inlet, 0.005027 m^2, and so has the flow; 0.628 times the speed"),

@@ -15,6 +15,7 @@ struct fill {
     const struct json_at *entry;
     struct scene_body *body;
     bool has_velocity; /* the entry has its own "velocity" */
+    double volume;     /* m^3, of the shape; INFINITY: that of a file */
 };
 
 /* ---- shapes: each appends particles to the body ---------------------------------------------- */
@@ -63,13 +64,13 @@ static void note_filled_part(const struct json_at *at, const struct fill *fill,
 
 /* Computes the number of particles as sample_box_volume does, before allocating them. */
 static pdyn_status fill_box(const struct json_at *at, struct fill *fill) {
-    double count = 1.0, radius = fill->body->radius;
+    double count = 1.0, volume = 1.0, radius = fill->body->radius;
     struct box box;
     pdyn_status status = params_box(at, &box);
     for (int a = 0; a < 3 && status == PDYN_OK; a++) {
         double edge = box.max[a] - box.min[a];
         double along = sample_cells(edge, 2.0 * radius);
-        count *= along;
+        count *= along, volume *= edge;
         if (along < 1.0)
             status = json_fail(
                 at, "expected edges of at least %.10g m (twice the radius), found %.10g m along %c",
@@ -78,6 +79,7 @@ static pdyn_status fill_box(const struct json_at *at, struct fill *fill) {
     if (status == PDYN_OK) status = reader_add_particles(fill->reader, at, count);
     if (status != PDYN_OK) return status;
     note_filled_part(at, fill, &box);
+    fill->volume = volume;
     return json_wrap(at, sample_box_volume(at->file->context, &box, radius, &fill->body->start));
 }
 
@@ -96,17 +98,27 @@ static pdyn_status fill_sphere(const struct json_at *at, struct fill *fill) {
     if (status == PDYN_OK)
         status = json_wrap(
             at, sample_sphere_volume(at->file->context, &sphere, fill->body->radius, start));
+    fill->volume = 4.0 / 3.0 * acos(-1.0) * sphere.radius * sphere.radius * sphere.radius;
     return status == PDYN_OK ? count_added(at, fill, before) : status;
 }
 
+/* Of the inside as particles see it, whichever way the triangles face. */
+static pdyn_status measure_mesh(pdyn_context *context, struct mesh *mesh, double *volume) {
+    struct mesh_turned turned;
+    pdyn_status status = mesh_orient_pieces(context, mesh, &turned);
+    *volume = fabs(mesh_volume(mesh->triangles, mesh->triangle, mesh->vertex));
+    return status;
+}
+
 static pdyn_status fill_placed_mesh(const struct json_at *at, struct fill *fill,
-                                    const struct mesh *mesh) {
+                                    struct mesh *mesh) {
     pdyn_context *context = at->file->context;
     struct point_list *start = &fill->body->start;
     int before = start->count;
     pdyn_status status = mesh_check(mesh, "as placed");
     if (status == PDYN_OK) status = mesh_check_closed(context, mesh, json_string_value(at->value));
     if (status == PDYN_OK) status = sample_mesh_volume(context, mesh, fill->body->radius, start);
+    if (status == PDYN_OK) status = measure_mesh(context, mesh, &fill->volume);
     status = json_wrap(at, status);
     return status == PDYN_OK ? count_added(at, fill, before) : status;
 }
@@ -168,12 +180,12 @@ pdyn_status fill_check_range(const struct json_at *at, const struct point_list *
     return PDYN_OK;
 }
 
-pdyn_status fill_read(struct reader *r, const struct json_at *at) {
+pdyn_status fill_read(struct reader *r, const struct json_at *at, struct scene_fill *out) {
     static const char *const keys[] = {"box",    "sphere",    "mesh",     "file", "scale",
                                        "rotate", "translate", "velocity", NULL};
     struct json_at velocity_at = json_member(at, "velocity");
     struct scene_body *body = r->body;
-    struct fill fill = {r, at, body, velocity_at.value != NULL};
+    struct fill fill = {r, at, body, velocity_at.value != NULL, INFINITY};
     double velocity[3];
     int shape = 0, first = body->start.count;
     pdyn_status status = params_check_keys(at, NULL, keys);
@@ -186,6 +198,9 @@ pdyn_status fill_read(struct reader *r, const struct json_at *at) {
     struct json_at inner = json_member(at, shape_names[shape]);
     status = shapes[shape].fill(&inner, &fill);
     if (status == PDYN_OK) status = fill_check_range(&inner, &body->start, first);
+    double spacing = 2.0 * body->radius;
+    out->end = body->start.count;
+    out->part = (out->end - first) * spacing * spacing * spacing / fill.volume;
     while (status == PDYN_OK && body->start_v.count < body->start.count)
         status = point_list_add(at->file->context, &body->start_v,
                                 fill.has_velocity ? velocity : body->velocity);

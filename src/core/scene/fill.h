@@ -9,6 +9,6 @@ pdyn_status fill_check_range(const struct json_at *at, const struct point_list *
 
 /* Reads one entry of "fill" and appends its particles to the current body, whose radius and
  * velocity must be set. */
-pdyn_status fill_read(struct reader *r, const struct json_at *at);
+pdyn_status fill_read(struct reader *r, const struct json_at *at, struct scene_fill *out);
 
 #endif

@@ -57,7 +57,7 @@ static void exempt_vessel(unsigned char *flag, int count) {
 static int remove_flagged(struct scene_body *body, const unsigned char *flag) {
     int kept = 0, fill = 0, count = body->start.count;
     for (int i = 0; i < count; i++) {
-        while (i == body->fill_end[fill]) body->fill_end[fill++] = kept;
+        while (i == body->fill[fill].end) body->fill[fill++].end = kept;
         if (flag[i]) continue;
         for (int a = 0; a < 3; a++) {
             body->start.x[3 * kept + a] = body->start.x[3 * i + a];
@@ -65,7 +65,7 @@ static int remove_flagged(struct scene_body *body, const unsigned char *flag) {
         }
         kept++;
     }
-    while (fill < body->fills) body->fill_end[fill++] = kept;
+    while (fill < body->fills) body->fill[fill++].end = kept;
     body->start.count = body->start_v.count = kept;
     return count - kept;
 }

@@ -227,7 +227,7 @@ static void free_body(pdyn_context *context, struct scene_body *body) {
     FREE_ARRAY(context, body->constraint, body->constraints);
     for (int k = 0; k < body->inlets; k++) inlet_free(context, &body->inlet[k]);
     FREE_ARRAY(context, body->inlet, body->inlets);
-    FREE_ARRAY(context, body->fill_end, body->fills);
+    FREE_ARRAY(context, body->fill, body->fills);
     point_list_free(context, &body->start);
     point_list_free(context, &body->start_v);
     mesh_free(context, &body->mesh);

@@ -90,6 +90,11 @@ static inline bool needs_neighbour_lists(const pdyn_constraint_type *type) {
     return type->matrix_free || type->flags & PDYN_NEIGHBOURS;
 }
 
+struct scene_fill { /* a volume of "fill" */
+    int end;        /* index of the first particle behind it */
+    double part;    /* of the volume, filled before overlaps are removed; 0: particles of a file */
+};
+
 struct scene_body {
     char color[8];    /* "#rrggbb", of pictures; "": none */
     char *name;       /* unique in the scene; letters, digits, '_', '-', because it names files */
@@ -104,8 +109,8 @@ struct scene_body {
     struct mesh skin; /* the mesh that "cell" replaced, for pictures, m; no vertices: none */
     struct point_list start, start_v; /* particles: initial positions, m, and velocities, m/s */
     int fills;                        /* volumes of "fill" */
-    int *fill_end;                    /* fills: index of the first particle behind a volume's */
-    bool keep_overlap;                /* particles that overlap obstacles stay */
+    struct scene_fill *fill;
+    bool keep_overlap;   /* particles that overlap obstacles stay */
     int overlapping;     /* number of particles that overlapped with something and were left out */
     double radius;       /* m */
     double rest_density; /* kg/m^3 */

@@ -14,9 +14,7 @@ static const pdyn_param params[] = {
     {0}};
 
 static pdyn_status read_fill(struct reader *r, const struct json_at *at, int index) {
-    pdyn_status status = fill_read(r, at);
-    r->body->fill_end[index] = r->body->start.count;
-    return status;
+    return fill_read(r, at, &r->body->fill[index]);
 }
 
 static pdyn_status read_inlet(struct reader *r, const struct json_at *at, int index) {
@@ -65,7 +63,7 @@ static pdyn_status read(struct reader *r, const struct json_at *at) {
     struct scene_body *body = r->body;
     struct json_at fill = json_member(at, "fill"), inlets = json_member(at, "inlets");
     pdyn_status status = reader_array(r, &fill, "an array of volumes to fill", read_fill,
-                                      sizeof *body->fill_end, &body->fill_end, &body->fills);
+                                      sizeof *body->fill, &body->fill, &body->fills);
     if (status == PDYN_OK && !body->fills && !json_array_size(inlets.value))
         status = json_expected(&fill, "at least one volume to fill, or \"inlets\"");
     if (status == PDYN_OK) status = read_overlap(r, at);

@@ -20,7 +20,7 @@ struct close {
 /* Index of the volume of `fill` that a particle comes from; -1: from an inlet. */
 static int fill_of(const struct scene_body *body, int particle) {
     for (int k = 0; k < body->fills; k++)
-        if (particle < body->fill_end[k]) return k;
+        if (particle < body->fill[k].end) return k;
     return -1;
 }
 

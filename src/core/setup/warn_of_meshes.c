@@ -16,6 +16,8 @@ static const double max_times = 10.0; /* extent of a body over that of all solid
  */
 static const double max_solid_times = 50.0;
 static const double min_filled = 0.85; /* of the volume of a mesh, by tetrahedra */
+/* Of a volume of "fill", by particles: a ball of 4.5 particle spacings. */
+static const double min_volume = 0.7;
 /* Rounding of coordinates in frames, over the spacing of particles or the mean edge. */
 static const double max_rounding = 0.01;
 /* Height of a triangle over its longest side. */
@@ -74,7 +76,7 @@ static void check_scale(struct pdyn_sim *sim, int b) {
 /* Particles of `fill` in another unit than the solids. */
 static void check_scale_of_fluid(struct pdyn_sim *sim, int b) {
     const struct scene_body *body = &sim->scene.body[b];
-    int count = body->fills ? body->fill_end[body->fills - 1] : 0;
+    int count = body->fills ? body->fill[body->fills - 1].end : 0;
     if (!count) return;
     struct box box = box_around(sim->x + 3 * (size_t)sim->body[b].first, count);
     double extent = box_extent(&box), times = extent / length_of_solids(sim);
@@ -193,6 +195,23 @@ static void check_filled(struct pdyn_sim *sim, int b) {
              body->missed, body->skin.vertices);
 }
 
+/* Warns where particles are too large for a volume of "fill": names the one that is filled least.
+ */
+static void check_volumes(struct pdyn_sim *sim, int b) {
+    const struct scene_body *body = &sim->scene.body[b];
+    int least = -1;
+    for (int k = 0; k < body->fills; k++)
+        if (body->fill[k].part > 0.0 && body->fill[k].part < min_volume &&
+            (least < 0 || body->fill[k].part < body->fill[least].part))
+            least = k;
+    if (least >= 0)
+        WARN(
+            sim, COARSE, body->name,
+            "particles of radius %.4g m fill %.2g %% of the volume of fill[%d]; smaller ones "
+            "fill more of it",
+            body->radius, 100.0 * body->fill[least].part, least);
+}
+
 static void check_thickness(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     double thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0;
@@ -221,6 +240,7 @@ void warn_of_meshes(struct pdyn_sim *sim) {
         check_slivers(sim, b);
         check_cells(sim, b);
         check_filled(sim, b);
+        check_volumes(sim, b);
     }
 }
 
