@@ -98,6 +98,22 @@ static void test_heavy_rod(void **state) {
     assert_false(is_too_light(SCENE(STEPS, LAYERS("", ROD_OF("2200")), "")));
 }
 
+/* A string that is taut at the start carries the cube; one that is longer lets it onto the water.
+ */
+static void test_heavy_on_string(void **state) {
+    (void)state;
+#define ON_STRING(length)                                                                          \
+    LAYERS("",                                                                                     \
+           "{'name': 'beam', 'rigid': {'box': {'minimum': [-0.06, 0.4, -0.06], 'maximum': [0.06, " \
+           "0.42, 0.06]}, 'density': 500}, 'constraints': [{'type': 'pin', 'vertices': {'all': "   \
+           "true}}]}, {'name': 'cube', 'rigid': {'box': {'minimum': [-0.06, 0.06, -0.06], "        \
+           "'maximum': [0.06, 0.18, 0.06]}, 'density': 1150}, 'constraints': [{'type': "           \
+           "'attachment', 'to': 'beam', 'vertices': {'all': true}, 'stiffness': 1e4, "             \
+           "'tension_only': true, 'length': " length "}]}")
+    assert_false(is_too_light(SCENE(STEPS, ON_STRING("1"), "")));
+    assert_true(is_too_light(SCENE(STEPS, ON_STRING("1.5"), "")));
+}
+
 /* A cube half as long as a spacing exceeds its water by an eighth of the density times a layer: one
  * of steel by less than a layer, one of gold by more. */
 static void test_heavy_shot(void **state) {
@@ -183,11 +199,17 @@ static void test_gaps_long(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_weightless),   cmocka_unit_test(test_drawn),
-        cmocka_unit_test(test_room),         cmocka_unit_test(test_room_above),
-        cmocka_unit_test(test_room_by_kind), cmocka_unit_test(test_heavy),
-        cmocka_unit_test(test_heavy_rod),    cmocka_unit_test(test_heavy_shot),
-        cmocka_unit_test(test_neutral),      cmocka_unit_test(test_room_around_ball),
+        cmocka_unit_test(test_weightless),
+        cmocka_unit_test(test_drawn),
+        cmocka_unit_test(test_room),
+        cmocka_unit_test(test_room_above),
+        cmocka_unit_test(test_room_by_kind),
+        cmocka_unit_test(test_heavy),
+        cmocka_unit_test(test_heavy_on_string),
+        cmocka_unit_test(test_heavy_rod),
+        cmocka_unit_test(test_heavy_shot),
+        cmocka_unit_test(test_neutral),
+        cmocka_unit_test(test_room_around_ball),
         cmocka_unit_test(test_gaps_long),
     };
     return cmocka_run_group_tests_name("room", tests, NULL, NULL);

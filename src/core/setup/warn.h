@@ -42,7 +42,9 @@ pdyn_status warn_of_room(struct pdyn_sim *sim, int body);
 double warn_mean_edge(const pdyn_body *body);
 /* The path of the points that a constraint holds; NULL: none. */
 const pdyn_path *warn_path(const struct scene_constraint *constraint);
-/* Whether a pin, or an attachment to another body, holds the body. */
+/* The value of a parameter of the kind PDYN_REAL, at the first of its keys; 0: there is none. */
+double warn_parameter(const struct scene_constraint *constraint, const char *name);
+/* Whether a pin, or an attachment to another body that is not slack, holds the body. */
 bool warn_is_held(const struct scene_body *body);
 /* The body of particles with the least rest density; NULL: there is none. */
 const pdyn_body *warn_lightest_fluid(const struct pdyn_sim *sim);

@@ -25,10 +25,16 @@ double warn_mean_edge(const pdyn_body *body) {
     return sum / fmax(1.0, body->edges);
 }
 
+/* Whether it is a string that is longer than its distance at the start. */
+static bool is_slack(const struct scene_constraint *c) {
+    return c->type->one_sided && c->type->one_sided(c->params) && warn_parameter(c, "length") > 1.0;
+}
+
 bool warn_is_held(const struct scene_body *body) {
     for (int k = 0; k < body->constraints; k++) {
-        const pdyn_constraint_type *type = body->constraint[k].type;
-        if (type->flags & PDYN_REACTION || type_ties_to_other(type)) return true;
+        const struct scene_constraint *c = &body->constraint[k];
+        if (c->type->flags & PDYN_REACTION) return true;
+        if (type_ties_to_other(c->type) && !is_slack(c)) return true;
     }
     return false;
 }

@@ -43,8 +43,7 @@ static double value_of(const struct scene_constraint *c, const pdyn_param *p) {
     return *(const double *)((const char *)c->params + p->offset);
 }
 
-/* The value of a parameter of the kind PDYN_REAL, at the first of its keys; 0: there is none. */
-static double parameter(const struct scene_constraint *c, const char *name) {
+double warn_parameter(const struct scene_constraint *c, const char *name) {
     for (const pdyn_param *p = c->type->params; p->name; p++)
         if (p->kind == PDYN_REAL && !strcmp(p->name, name)) return value_of(c, p);
     return 0.0;
@@ -55,7 +54,7 @@ static void check_parameters(struct pdyn_sim *sim, const struct scene_body *body
     for (size_t k = 0; k < sizeof usual_parameters / sizeof *usual_parameters; k++) {
         const struct usual *usual = &usual_parameters[k];
         if (!strcmp(c->type->name, usual->type))
-            check_value(sim, body->name, usual, parameter(c, usual->name));
+            check_value(sim, body->name, usual, warn_parameter(c, usual->name));
     }
 }
 
@@ -70,7 +69,7 @@ static void check_softness(struct pdyn_sim *sim, int b, double tension) {
     const struct scene_body *body = &sim->scene.body[b];
     double speed = sqrt(tension / (body->rest_density * 2.0 * body->radius));
     for (int k = 0; k < body->constraints; k++) {
-        double sound = parameter(&body->constraint[k], "sound_speed");
+        double sound = warn_parameter(&body->constraint[k], "sound_speed");
         if (!strcmp(body->constraint[k].type->name, "fluid") && sound < least_speed * speed)
             WARN(sim, UNUSUAL, body->name,
                  "a sound speed of %.3g m/s is low for a surface tension of %g N/m, expected %.2g "
@@ -142,7 +141,8 @@ static void check_top(struct pdyn_sim *sim, const struct scene_solid *solid) {
 static void check_collapse(struct pdyn_sim *sim, int b, const struct scene_constraint *c) {
     const struct scene_body *body = &sim->scene.body[b];
     struct box box = extent_of_body(sim, &sim->body[b]);
-    double pressure = 0.0, stiffness = parameter(c, "stiffness") + parameter(c, "volume_stiffness");
+    double pressure = 0.0,
+           stiffness = warn_parameter(c, "stiffness") + warn_parameter(c, "volume_stiffness");
     for (int a = 0; a < 3; a++)
         pressure +=
             body->density * fabs(sim->scene.settings.gravity[a]) * (box.max[a] - box.min[a]);
@@ -187,8 +187,8 @@ static void check_body(struct pdyn_sim *sim, int b) {
         check_parameters(sim, body, c);
         if (warn_path(c)) check_start(sim, b, c->type->name, warn_path(c));
         if (!strcmp(c->type->name, "surface_tension")) {
-            check_softness(sim, b, parameter(c, "tension"));
-            check_step(sim, b, parameter(c, "tension"));
+            check_softness(sim, b, warn_parameter(c, "tension"));
+            check_step(sim, b, warn_parameter(c, "tension"));
         }
         if (!strcmp(c->type->name, "tet") && !warn_lightest_fluid(sim)) check_collapse(sim, b, c);
     }
