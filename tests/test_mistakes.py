@@ -71,6 +71,25 @@ f 1 2 3
 f 1 3 4
 f 3 2 4
 """
+SPIKE = """v -0.1 0.3 -0.1
+v 0.1 0.3 -0.1
+v 0.1 0.3 0.1
+v -0.1 0.3 0.1
+v -0.1 0.5 -0.1
+v 0.1 0.5 -0.1
+v 0.1 0.5 0.1
+v -0.1 0.5 0.1
+v 0 2 0
+f 1 2 3 4
+f 1 5 6 2
+f 2 6 7 3
+f 3 7 8 4
+f 4 8 5 1
+f 5 9 6
+f 6 9 7
+f 7 9 8
+f 8 9 5
+"""
 HUGE = {"name": "scan", "mesh": "huge.obj"}
 ALL = {"box": {"minimum": [-9, -9, -9], "maximum": [9, 9, 9]}}
 CRATE = {"name": "crate", "rigid": {"box": {"minimum": [-0.1, 0.1, -0.1], "maximum": [0.1, 0.3, 0.1]}, "density": 500}}
@@ -141,6 +160,10 @@ MISTAKES = [
     Mistake("cells larger than the mesh is thick", change(("bodies.0", None), ("bodies.0", {
         "name": "soft", "volume": {"mesh": "huge.obj", "scale": 1e-4, "cell": 0.03, "density": 900},
         "constraints": [{"type": "tet", "stiffness": 2e4}]})), "[coarse]"),
+    Mistake("a tip thinner than the cells", change(("bodies.0", None), ("bodies.0", {
+        "name": "soft", "volume": {"mesh": "spike.obj", "cell": 0.08, "density": 900},
+        "constraints": [{"type": "tet", "stiffness": 2e4}]})),
+            "soft: 1 of the 9 vertices of its mesh is more than a cell away"),
     Mistake("a rigid body thinner than its cells", change(("bodies.0", None), ("bodies.0", {
         "name": "hard", "rigid": {"mesh": "huge.obj", "scale": 1e-4, "cell": 0.03, "density": 900}})),
             "hard: its cells fill", "[coarse]"),
@@ -387,6 +410,7 @@ def test(mistake, folder):
     (folder / "squares.obj").write_text(SQUARES)
     (folder / "huge.obj").write_text(TETRAHEDRON)
     (folder / "needles.obj").write_text(NEEDLES)
+    (folder / "spike.obj").write_text(SPIKE)
     good = True
     for command, code, text in zip(("check", "run"), mistake.codes, mistake.said):
         got, output = said_by(command, mistake, folder)

@@ -190,9 +190,9 @@ static void check_filled(struct pdyn_sim *sim, int b) {
              100.0 * body->filled);
     else if (body->missed)
         WARN(sim, COARSE, body->name,
-             "%d of the %d vertices of its mesh are more than a cell away from the cells that fill "
+             "%d of the %d vertices of its mesh %s more than a cell away from the cells that fill "
              "it: parts thinner than \"cell\" are missing",
-             body->missed, body->skin.vertices);
+             body->missed, body->skin.vertices, body->missed == 1 ? "is" : "are");
 }
 
 /* Warns where particles are too large for a volume of "fill": names the one that is filled least.
@@ -205,11 +205,10 @@ static void check_volumes(struct pdyn_sim *sim, int b) {
             (least < 0 || body->fill[k].part < body->fill[least].part))
             least = k;
     if (least >= 0)
-        WARN(
-            sim, COARSE, body->name,
-            "particles of radius %.4g m fill %.2g %% of the volume of fill[%d]; smaller ones "
-            "fill more of it",
-            body->radius, 100.0 * body->fill[least].part, least);
+        WARN(sim, COARSE, body->name,
+             "particles of radius %.4g m fill %.2g %% of the volume of fill[%d]; smaller ones "
+             "fill more of it",
+             body->radius, 100.0 * body->fill[least].part, least);
 }
 
 static void check_thickness(struct pdyn_sim *sim, int b) {
