@@ -100,7 +100,7 @@ static const struct bad_scene bad_constraints[] = {
      "found 0"},
     {FLUID("{'type': 'fluid', 'sound_speed': '50'}"),
      "scene.json:3:51: bodies[0].constraints[0].sound_speed: expected a number from 0.001 to "
-     "1000000 m/s, found \"50\""},
+     "1000000 m/s, found \"50\"; JSON writes 50"},
     {"{'duration': 1, 'gravity': [0, 0, 0], 'bodies': [{'particles': {'radius': 0.1, 'fill': [{"
      "'box': " BOX "}]},\n 'constraints': [{'type': 'fluid',\n  'compression': 0.001}]}]}",
      "scene.json:3:18: bodies[0].constraints[0].compression: without gravity no pressure "

@@ -46,7 +46,7 @@ static const struct bad_scene bad_scenes[] = {
      "2"},
     {TOP("'gravity': [0, '-9.81', 0]"),
      "scene.json:2:17: gravity[1]: expected a number from -1000000 to 1000000 m/s^2, "
-     "found \"-9.81\""},
+     "found \"-9.81\"; JSON writes -9.81"},
     {TOP("'gravity': null"),
      "scene.json:2:13: gravity: expected an array of 3 numbers (m/s^2), found null"},
     {TOP("'$schema': 3"), "scene.json:2:13: $schema: expected a text, found 3"},
@@ -184,7 +184,10 @@ static const struct {
     {"bodies.sheet.constraints.spring.stretching_stiffness=\"2\"",
      "--set bodies.sheet.constraints.spring.stretching_stiffness=\"2\": "
      "bodies[1].constraints[0].stretching_stiffness: expected a number from 0 to 1e+12 "
-     "N/m, found \"2\""},
+     "N/m, found \"2\"; JSON writes 2"},
+    {"duration=.1",
+     "--set duration=.1: duration: expected a number from 1e-06 to 1000000 s, found \".1\"; JSON "
+     "writes 0.1"},
     {"bodies.0.particles.radius=true",
      "--set bodies.0.particles.radius=true: bodies[0].particles.radius: expected a number "
      "from 1e-06 to 1000 m, found true"},

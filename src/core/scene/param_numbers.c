@@ -1,4 +1,5 @@
 /* Numbers within bounds, and boxes and spheres of numbers. */
+#include "base/scan.h"
 #include "base/text.h"
 #include "geometry/sampling.h"
 #include "params.h"
@@ -19,10 +20,15 @@ void params_describe_bounds(char *text, size_t size, const char *what, double mi
     if (named) text_append(text, size, low || high ? " %s" : " (%s)", unit);
 }
 
+/* A text that is a number, as .1 or "0.1", has a hint how JSON writes it. */
 static pdyn_status expected_number(const struct json_at *at, const char *what, double min,
                                    double max, const char *unit) {
     char text[WHAT] = "";
+    const char *found = json_string_value(at->value);
+    double meant;
     params_describe_bounds(text, sizeof text, what, min, max, unit);
+    if (found && word_number((struct word){found, strlen(found)}, &meant) && isfinite(meant))
+        return json_fail(at, "expected %s, found \"%.40s\"; JSON writes %.15g", text, found, meant);
     return json_expected(at, text);
 }
 
