@@ -180,6 +180,9 @@ MISTAKES = [
             "fill 70.4 % of a box of 0.4 x 0.12 x 0.4 m; particles of radius 0.02 m fill 100 %"),
     Mistake("particles too large for a ball", change(("bodies.0.particles.fill.0", {"sphere": {"center": [0, 0.06, 0], "radius": 0.06}}), *WATER_ONLY),
             "water: particles of radius 0.02 m fill 50 % of the volume of fill[0]; smaller ones fill more of it [coarse]"),
+    Mistake("a turn as fast as the steps", change(("bodies.0", {**CRATE, "constraints": [
+        {"type": "pin", "vertices": {"all": True}, "turn": [[0, 0, 0, 0], [0.03, 0, 1200, 0]]}]}), ("bodies.1", None), ("contact", None)),
+            'crate: the turn of "pin" goes on by up to 200 degrees in a step of 0.005 s', "[unusual]"),
     Mistake("a jet as thin as a particle", change(("bodies.0.particles", {"radius": 0.02, "inlets": [
         {**JET, "disc": {"center": [0, 0.2, 0], "radius": 0.04}}]}), *WATER_ONLY),
             "a layer of 5 particles of radius 0.02 m has 159 % of the area of its inlet, 0.005027 m^2, and so has the flow; 0.628 times the speed"),

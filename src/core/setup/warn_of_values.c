@@ -58,6 +58,11 @@ static void check_parameters(struct pdyn_sim *sim, const struct scene_body *body
     }
 }
 
+static double longest_step(const struct scene_settings *settings) {
+    return fmin(settings->h_fixed > 0.0 ? settings->h_fixed : settings->h_max,
+                settings->frame_interval);
+}
+
 /* ---- surface tension ------------------------------------------------------------------------- */
 
 /* Sound speed over sqrt(tension / (rest density x spacing)) that drops need, and the least without
@@ -85,9 +90,7 @@ static const double needed_step = 1.0, most_step = 2.0;
 /* Steps that are too long for the motion of the surface, by a spacing. */
 static void check_step(struct pdyn_sim *sim, int b, double tension) {
     const struct scene_body *body = &sim->scene.body[b];
-    const struct scene_settings *settings = &sim->scene.settings;
-    double step = fmin(settings->h_fixed > 0.0 ? settings->h_fixed : settings->h_max,
-                       settings->frame_interval);
+    double step = longest_step(&sim->scene.settings);
     double time = sqrt(body->rest_density * pow(2.0 * body->radius, 3.0) / tension);
     if (step > most_step * time)
         WARN(sim, UNUSUAL, body->name,
@@ -172,12 +175,40 @@ static void check_start(struct pdyn_sim *sim, int b, const char *type, const pdy
             type, at[0], at[1], at[2]);
 }
 
-const pdyn_path *warn_path(const struct scene_constraint *c) {
+/* Angle from which on targets that turn in a step move through the axis, or the other way round. */
+static const double max_turn = 180.0;
+
+/* The largest change of an angle from `time` on in a step, degrees. */
+static double turn_from(const pdyn_path *turn, double time, double step) {
+    double before[3], after[3], most = 0.0;
+    path_at(turn, time, before), path_at(turn, time + step, after);
+    for (int a = 0; a < 3; a++) most = fmax(most, fabs(after[a] - before[a]));
+    return most;
+}
+
+/* The change is linear in between where the step begins or ends at a key. */
+static void check_turn(struct pdyn_sim *sim, int b, const char *type, const pdyn_path *turn) {
+    double step = longest_step(&sim->scene.settings), most = 0.0;
+    for (int k = 0; k < turn->count; k++) {
+        double at = turn->key[4 * (size_t)k];
+        most = fmax(most, turn_from(turn, at, step));
+        most = fmax(most, turn_from(turn, at - step, step));
+    }
+    if (most >= max_turn)
+        WARN(sim, UNUSUAL, sim->body[b].name,
+             "the turn of \"%s\" goes on by up to %.4g degrees in a step of %.3g s: its vertices "
+             "move on straight lines in a step, through the axis, or turn the other way round",
+             type, most, step);
+}
+
+static const pdyn_path *path_of(const struct scene_constraint *c, const char *name) {
     for (const pdyn_param *p = c->type->params; p->name; p++)
-        if (!strcmp(p->name, "path") && c->type->flags & PDYN_REACTION)
+        if (!strcmp(p->name, name) && c->type->flags & PDYN_REACTION)
             return param_path(p, c->params);
     return NULL;
 }
+
+const pdyn_path *warn_path(const struct scene_constraint *c) { return path_of(c, "path"); }
 
 static void check_body(struct pdyn_sim *sim, int b) {
     const struct scene_body *body = &sim->scene.body[b];
@@ -186,6 +217,7 @@ static void check_body(struct pdyn_sim *sim, int b) {
         const struct scene_constraint *c = &body->constraint[k];
         check_parameters(sim, body, c);
         if (warn_path(c)) check_start(sim, b, c->type->name, warn_path(c));
+        if (path_of(c, "turn")) check_turn(sim, b, c->type->name, path_of(c, "turn"));
         if (!strcmp(c->type->name, "surface_tension")) {
             check_softness(sim, b, warn_parameter(c, "tension"));
             check_step(sim, b, warn_parameter(c, "tension"));
