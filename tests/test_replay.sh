@@ -93,6 +93,7 @@ picture() { # NAME VIEW
 }
 for fault in 'hid=water: unknown name "hid"; known: frame,' 'hide=watr: hide: unknown part "watr"; known: ' \
     'fluid=velocity: fluid: unknown value "velocity"; known: ' 'camera=1,2: camera: expected three or six numbers' \
+    'camera=1,2,0: camera: scale: expected a number from 0.01 to 100, found 0' \
     'cut=0.5: cut: expected a text as x-0.5' 'hide=5%: hide: unknown part "5%"; known: '; do
     expect_error 2 "--view $fault" render "$run" -o "$folder/fault.png" --size 64x48 --view "${fault%%: *}"
     [ ! -e "$folder/fault.png" ] || fail "a picture of an unknown view"
@@ -255,6 +256,8 @@ if command -v ffmpeg >/dev/null; then
     "$projdyn" render "$run" -o "$folder/film.mp4" --size 64x48 >/dev/null
     grep -aq ftypisom "$folder/film.mp4" || fail "no film"
     [ ! -e "$folder/film.mp4.tmp" ] || fail "a temporary film is left"
+    "$projdyn" render "$run" -o "$folder/short.gif" --size 64x48 --frames 0:3 --fps 1000 >/dev/null
+    [ -s "$folder/short.gif" ] || fail "a GIF of 4 ms is empty"
     mkdir "$folder/temporary"
     TMPDIR="$folder/temporary" "$projdyn" render "$run" -o "$folder/killed.mp4" --size 640x480 >"$folder/out" 2>&1 &
     for _ in $(seq 100); do ls "$folder" | grep -q '^killed' && break; sleep 0.1; done

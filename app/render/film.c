@@ -43,8 +43,9 @@ static void run_ffmpeg(const struct film *film, const char *program, double fps,
                             "-framerate", rate, "-c:v",  "png", "-i", "-"};
     int count = 12;
     for (int k = 0; encoder->options[k]; k++) args[count++] = encoder->options[k];
-    /* Programs show a picture of less than 2/100 s for a tenth of a second. */
-    if (film->format == FILM_GIF && fps > 50.0) args[count - 1] = "fps=50," PALETTE;
+    /* Programs show a picture of less than 2/100 s for a tenth of a second. The end of the input
+     * passes the last picture: a film of less than 1/100 s would have none. */
+    if (film->format == FILM_GIF && fps > 50.0) args[count - 1] = "fps=50:eof_action=pass," PALETTE;
     args[count++] = "-f";
     args[count++] = encoder->container;
     args[count++] = film->temporary ? film->temporary : film->path;

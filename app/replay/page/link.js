@@ -23,7 +23,16 @@ const usualSettings = { ...settings };
 const isSetting = (name, value) => name === "cut" ? /^([xyz][+-][0-9.]+)?$/.test(value)
   : inputs[name] && [...inputs[name].options].some((option) => option.value === value);
 
-const isCamera = (numbers) => [3, 6].includes(numbers.length) && numbers.every((number) => number.trim() && Number.isFinite(Number(number)));
+/* What is wrong with the value of camera; "": nothing. */
+function cameraFault(value) {
+  const texts = value.split(","), [yaw, pitch, scale, ...target] = texts.map((text) => text.trim() ? Number(text) : NaN);
+  if (![3, 6].includes(texts.length) || ![yaw, pitch, scale, ...target].every(Number.isFinite))
+    return `camera: expected three or six numbers: yaw,pitch,scale or yaw,pitch,scale,x,y,z, found "${value}"`;
+  const values = Object.entries({ yaw, pitch, scale, ...(target.length && { target }) });
+  const [name, bad] = values.find(([name, v]) => cameraValueFault(name, v)) || [];
+  return name ? `camera: ${name}: ${cameraValueFault(name, bad)}` : "";
+}
+
 const expectedIn = (what, found, known) => `${what} "${found}"; known: ${known.join(", ")}`;
 
 /* What is wrong with one name=value of a view; "": nothing. */
@@ -34,8 +43,7 @@ function pairFault(name, value) {
     const unknown = value.split(",").find((part) => part && !parts.includes(part));
     return unknown ? expectedIn(`${name}: unknown part`, unknown, parts) : "";
   }
-  if (name === "camera")
-    return isCamera(value.split(",")) ? "" : `camera: expected three or six numbers: yaw,pitch,scale or yaw,pitch,scale,x,y,z, found "${value}"`;
+  if (name === "camera") return cameraFault(value);
   if (!(name in settings)) return expectedIn("unknown name", name, ["frame", "play", "hide", "show", "camera", ...Object.keys(settings)]);
   if (!inputs[name] || isSetting(name, value)) return ""; /* a setting of bodies that this run lacks */
   return name === "cut" ? `cut: expected a text as x-0.5, found "${value}"`
@@ -70,10 +78,9 @@ function applyView(text) {
   }
   for (const name in settings)
     change(name, name in wanted && isSetting(name, wanted[name]) ? wanted[name] : usualSettings[name]);
-  const camera = (wanted.camera || "").split(",");
   renderer.camera.reset();
-  if (isCamera(camera)) {
-    const [yaw, pitch, scale, ...target] = camera.map(Number);
+  if (wanted.camera && !cameraFault(wanted.camera)) {
+    const [yaw, pitch, scale, ...target] = wanted.camera.split(",").map(Number);
     Object.assign(renderer.camera, { yaw: yaw * Math.PI / 180, pitch: pitch * Math.PI / 180, scale });
     if (target.length) renderer.camera.target = target;
   }
