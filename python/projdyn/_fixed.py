@@ -3,8 +3,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from ._unique import Unique
 
-class Fixed:
+
+class Fixed(Unique):
     """After fix(), only properties with a setter can be assigned; another name is an
     AttributeError, which lists the methods that set something."""
 

@@ -6,11 +6,12 @@ import operator
 import threading
 import weakref
 from ctypes import byref, c_void_p, sizeof
-from typing import Any, Callable, Iterator, NoReturn, Optional
+from typing import Any, Callable, Iterator, Optional
 
 from ._library import lib
 from ._paths import flag
 from ._structs import Log, Options
+from ._unique import Unique
 from .errors import Error, InputError, error_of, wrong_type
 
 _logger = logging.getLogger("projdyn")
@@ -47,7 +48,7 @@ def listed(kind: Any, get: Callable[..., None], *place: Any) -> Iterator[Any]:
         index += 1
 
 
-class Handle:
+class Handle(Unique):
     """An object of the library and the object that must outlive it: a writer has a simulation, a
     simulation and a scene have a context. The garbage collector frees the children first, because
     the finaliser of a child refers to its parent. Calls of several threads for one simulation and
@@ -71,10 +72,6 @@ class Handle:
                 raise _raised.pop()
             if status:
                 raise error_of(status, last_error())
-
-    def __reduce__(self) -> NoReturn:
-        raise TypeError("objects of projdyn cannot be copied or pickled: write a scene to a file "
-                        "(Scene.write), save a state (Simulation.save), and load them there")
 
     def make(self, function: Callable[..., int], *arguments: Any) -> int:
         """Pointer to a new object that a function of this object makes."""

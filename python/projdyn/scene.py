@@ -15,6 +15,7 @@ from ._json import json_text
 from ._library import lib
 from ._paths import Path, path as path_of, text
 from ._structs import Write
+from ._unique import Unique
 from .errors import InputError, wrong_type
 from .simulation import Simulation
 
@@ -22,7 +23,7 @@ Box = Union[dict[str, Any], Sequence[Any]]  # {"minimum": ..., "maximum": ...} o
 Constraints = Union[dict[str, Any], Sequence[dict[str, Any]]]
 
 
-class Scene:
+class Scene(Unique):
     """A scene that can be changed and loaded, again and again.
 
     Keys of the scene file are given by keyword or set as items; docs/guide/scene.md lists them:

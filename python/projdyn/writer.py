@@ -10,10 +10,11 @@ from ._handles import Handle
 from ._library import lib
 from ._paths import Path, flag, path as path_of
 from ._structs import StepInfo
+from ._unique import Unique
 from .errors import wrong_type
 
 
-class Writer:
+class Writer(Unique):
     """Writes a run; the directory can be replayed (projdyn.replay), read and rendered:
 
         with sim.write("out") as writer:

@@ -207,7 +207,7 @@ class Views(unittest.TestCase):
         scene = hanging_sheet()
         sim = scene.load()
         for thing in (scene, sim, sim.bodies["sheet"], sim.constraints["sheet", "spring"]):
-            for copying in (pickle.dumps, copy.deepcopy):
+            for copying in (pickle.dumps, copy.copy, copy.deepcopy):
                 with self.assertRaisesRegex(TypeError, "Scene.write"):
                     copying(thing)
 
