@@ -58,8 +58,8 @@ class Writer(Unique):
         self._handle.call(lib.pdyn_writer_save)
 
     def close(self, failed: str = "") -> None:
-        """Writes the report, saves the state and closes the files. failed: why the run stopped
-        early."""
+        """Writes the report, saves the state and closes the files; a second call does nothing.
+        failed: why the run stopped early."""
         self._end(failed, False)
 
     def _write_last(self) -> None:
@@ -69,6 +69,8 @@ class Writer(Unique):
             self.step(info)
 
     def _end(self, failed: str, interrupted: bool) -> None:
+        if not self._handle.finalize.alive:
+            return
         try:
             if interrupted:
                 self._write_last()
