@@ -7,13 +7,13 @@ from ._unique import Unique
 
 
 class Fixed(Unique):
-    """After fix(), only properties with a setter can be assigned; another name is an
+    """After _fix(), only properties with a setter can be assigned; another name is an
     AttributeError, which lists the methods that set something."""
 
     _is_fixed = False
     _instead: dict[str, str] = {}  # what to use for an attribute that a similar class has
 
-    def fix(self) -> None:
+    def _fix(self) -> None:
         """Called at the end of the constructor."""
         object.__setattr__(self, "_is_fixed", True)
 

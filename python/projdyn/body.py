@@ -90,7 +90,7 @@ class Body(Fixed):
         self.rest_density: float = info.rest_density
         inlets = lib.pdyn_inlets(handle.pointer, index)
         self.inlets = [Inlet(handle, index, k) for k in range(inlets)]
-        self.fix()
+        self._fix()
 
     def __len__(self) -> int:
         """Number of particles, n."""

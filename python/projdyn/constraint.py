@@ -37,7 +37,7 @@ class Constraint(Fixed):
         info = self._info()
         self.type: str = info.type.decode()
         self.body: str = info.body.decode()
-        self.fix()
+        self._fix()
 
     def __repr__(self) -> str:
         return f"<{self.type} on {self.body}, {self.elements} elements>"

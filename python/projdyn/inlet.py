@@ -14,7 +14,7 @@ class Inlet(Fixed):
 
     def __init__(self, handle: Handle, body: int, index: int) -> None:
         self._handle, self._body, self._index = handle, body, index
-        self.fix()
+        self._fix()
 
     def __repr__(self) -> str:
         return f"<inlet {self._index}>"

@@ -23,7 +23,7 @@ class Probe(Fixed):
         self.name: str = info.name.decode()
         self.columns: tuple[str, ...] = tuple(info.column[k].decode() for k in range(info.values))
         self.values: np.ndarray = view(info.value, (info.values,), handle)
-        self.fix()
+        self._fix()
 
     def __getitem__(self, column: str) -> float:
         """The value of a column, by its name or by the part after the dot."""

@@ -61,7 +61,7 @@ class Simulation(Fixed):
         self.constraints = _constraints(handle, state)
         self.solids = _solids(handle)
         self._last = [StepInfo()]  # what the last step gave, for writers
-        self.fix()
+        self._fix()
 
     def __repr__(self) -> str:
         return f"<simulation at {self.time:.6g} s of {len(self.mass)} particles>"

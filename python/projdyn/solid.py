@@ -46,7 +46,7 @@ class Solid(Fixed):
 
     def __init__(self, handle: Handle, index: int, name: str) -> None:
         self._handle, self._index, self.name = handle, index, name
-        self.fix()
+        self._fix()
 
     def __repr__(self) -> str:
         return f"<solid {self.name}>"

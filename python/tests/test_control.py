@@ -327,6 +327,8 @@ class Control(unittest.TestCase):
 
     def test_mistakes(self):
         sheet = hanging_sheet().load().bodies["sheet"]
+        with self.assertRaises(AttributeError):  # hold and pin do it
+            sheet.fix()
         with self.assertRaisesRegex(projdyn.InputError, "forces: expected the shape 81 x 3"):
             sheet.set_forces(np.zeros((80, 3)))
         with self.assertRaises(projdyn.Error):
