@@ -6,6 +6,8 @@ import os
 import pathlib
 from typing import Any, Optional, Union
 
+import numpy as np
+
 from ._json import json_text
 from ._paths import Path, path as path_of
 from ._program import run_program
@@ -37,6 +39,8 @@ class Picture:
 
 def _two(values: Any, what: str, between: str) -> str:
     """Two numbers as an option."""
+    if isinstance(values, np.ndarray):
+        values = values.tolist()
     if not isinstance(values, (tuple, list)) or len(values) != 2:
         raise TypeError(f"{what}: expected two numbers, found {values!r}")
     return between.join(map(str, values))

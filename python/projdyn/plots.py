@@ -10,7 +10,7 @@ from typing import Any, Iterable, Optional
 
 import numpy as np
 
-from ._paths import Path, path as path_of
+from ._paths import Path, path as path_of, text
 from .errors import InputError
 
 _UNITS = {"J": "J", "N": "N", "Nm": "N m", "Pa": "Pa", "m_s": "m/s", "m3": "m³", "m": "m", "s": "s"}
@@ -35,7 +35,7 @@ def _choose(columns: Iterable[str], known: list[str], where: Path) -> list[str]:
     """The columns by their names, which may be patterns such as "energy_*"."""
     chosen: list[str] = []
     for name in columns:
-        found = [name] if name in known else fnmatch.filter(known, name)
+        found = [name] if text(name, "columns") in known else fnmatch.filter(known, name)
         if not found:
             near = difflib.get_close_matches(name, known, 1)
             hint = f'did you mean "{near[0]}"?' if near else f"known: {', '.join(known)}"
@@ -130,6 +130,8 @@ def plot_sweep(sweep: Path, *columns: str, file: Optional[Path] = None) -> Any:
     for name, axes in zip(names, diagrams):
         for label in dict.fromkeys(labels):
             line = [k for k in range(len(rows)) if labels[k] == label]
+            if isinstance(places[0], float):
+                line.sort(key=lambda k: places[k])
             axes.plot([places[k] for k in line], [float(rows[k][name] or "nan") for k in line],
                       marker="o", label=label)
         axes.set_title(name, loc="left", fontsize="medium")

@@ -61,7 +61,7 @@ class Pictures(Files):
         self.assertIn("the run ends at 0.1 s", log.output[0])
 
     def test_numbered_pictures(self):
-        pictures = self.render("sheet_%04d.png", frames=(1, 2))
+        pictures = self.render("sheet_%04d.png", frames=np.array([1, 2]))
         self.assertEqual([path.name for path in sorted(self.path.glob("sheet_*.png"))],
                          ["sheet_0001.png", "sheet_0002.png"])
         self.assertIsNone(pictures._repr_png_())

@@ -60,6 +60,8 @@ class Plot(unittest.TestCase):
         for draw in (projdyn.plot, projdyn.plot_sweep):
             with self.assertRaisesRegex(TypeError, ": expected a path, found dict"):
                 draw({})
+        with self.assertRaisesRegex(TypeError, "columns: expected a text, found list"):
+            projdyn.plot(self.run_path, ["kinetic_J"])
 
     def test_units(self):
         """One diagram for each unit; columns of probes; a file."""
@@ -133,6 +135,13 @@ cholesky,1000,killed,,,
         self.assertEqual(lines, {"solver.type=cg": [[10, 1], [1000, 2]], "solver.type=cholesky": [[10, 3]]})
         self.assertTrue(np.isnan(above.get_lines()[1].get_ydata()[0]))
         self.assertGreater((self.sweep / "sweep.png").stat().st_size, 1000)
+
+    def test_order(self):
+        """Lines go from left to right, whatever the order of the values."""
+        head, *rows = self.ROWS.splitlines()
+        axes, = self.draw("\n".join([head, *reversed(rows)]), "cpu_s").axes
+        lines = {line.get_label(): line.get_xydata().tolist() for line in axes.get_lines()}
+        self.assertEqual(lines["solver.type=cg"], [[10, 1], [1000, 2]])
 
     def test_words(self):
         axes, = self.draw(self.ROWS.replace("1000,good", "10,good"), "cpu_s").axes
