@@ -72,9 +72,10 @@ void run_print_grown_warnings(const pdyn_sim *sim) {
 
 void run_print_summary(const pdyn_sim *sim, const char *output, const struct run_totals *t) {
     double wall = wall_seconds() - t->start_s;
-    printf("%ld steps to %g s in %.1f s, %.1f ms per step, integrator %s, solver %s, %s step\n",
-           t->steps, pdyn_time(sim), wall, t->steps ? 1e3 * wall / (double)t->steps : 0.0,
-           pdyn_integrator(sim), pdyn_solver_type(sim), pdyn_step_type(sim));
+    printf("%ld step%s to %g s in %.1f s, %.1f ms per step, integrator %s, solver %s, %s step\n",
+           t->steps, t->steps == 1 ? "" : "s", pdyn_time(sim), wall,
+           t->steps ? 1e3 * wall / (double)t->steps : 0.0, pdyn_integrator(sim),
+           pdyn_solver_type(sim), pdyn_step_type(sim));
     if (t->has_fluid)
         printf("density error %.4f%% (mean over all steps), %.4f%% (largest mean of a step)\n",
                t->steps ? 100.0 * t->density_error_sum / (double)t->steps : 0.0,

@@ -20,7 +20,8 @@ int run_to_file(int argc, char **argv, const char *usage, const char *file,
     run_path(path, &run, "%s", file);
     if (!output) output = path;
     code = write(&run, output);
-    if (code == EXIT_GOOD) printf("%d frames written to %s\n", run.frames, output);
+    if (code == EXIT_GOOD)
+        printf("%d frame%s written to %s\n", run.frames, run.frames == 1 ? "" : "s", output);
     run_close(&run);
     return code;
 }

@@ -184,7 +184,7 @@ expect "a warning of a single step comes again at the end" 0 "tolerance 1e-06, a
 expect "quiet tells warnings in their last form" 0 ", from " "$program" run "$scene" -o "$dir/out" \
     --time 0.06 --quiet --set solver.outer_iterations=1 --set solver.tolerance=1e-9
 "$program" run "$scene" -o "$dir/o'clock, two words" --time 0.01 >"$dir/next" 2>&1
-expect "the next command is one for the shell" 0 "1 frames written" \
+expect "the next command is one for the shell" 0 "1 frame written" \
     sh -c "$(sed -n 's/.*; next: //p' "$dir/next" | sed "s|^projdyn|'$program'|")"
 expect "default folder" 0 "written to out/pour;" sh -c "cd '$dir' && '$program' run '$scene' --time 0.01"
 if script -qec true /dev/null >/dev/null 2>&1; then

@@ -113,8 +113,8 @@ static int mesh_body(const struct run *run, const struct part *part,
     if (code == EXIT_GOOD && !strcmp(options->format->name, "vtk"))
         code = write_series(run, part, options);
     if (code != EXIT_GOOD) return code;
-    printf("%s: %d frames, at most %d triangles, %.2f s a frame", part->name, s.frames, s.triangles,
-           (wall_seconds() - s.seconds) / s.frames);
+    printf("%s: %d frame%s, at most %d triangles, %.2f s a frame", part->name, s.frames,
+           s.frames == 1 ? "" : "s", s.triangles, (wall_seconds() - s.seconds) / s.frames);
     if (s.least <= s.most)
         printf(", volume %.1f to %.1f %% of the particles'", 100.0 * s.least, 100.0 * s.most);
     puts("");

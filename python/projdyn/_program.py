@@ -16,8 +16,10 @@ _BAD_INPUT = 2
 
 def program_path() -> str:
     """PROJDYN_PROGRAM of the environment, the program of the wheel, or that in PATH."""
-    path = (os.environ.get("PROJDYN_PROGRAM") or installed_file("projdyn")
-            or shutil.which("projdyn"))
+    given = os.environ.get("PROJDYN_PROGRAM")
+    path = shutil.which(given) if given else installed_file("projdyn") or shutil.which("projdyn")
+    if given and not path:
+        raise Error(f"PROJDYN_PROGRAM: {given}: there is no such program")
     if not path:
         raise Error("the program projdyn is neither in the wheel nor in PATH: set PROJDYN_PROGRAM "
                     "to that of a build, build/app/projdyn")

@@ -102,6 +102,9 @@ class Errors(Files):
                 mock.patch("projdyn._program.installed_file", return_value=None), \
                 self.assertRaisesRegex(projdyn.Error, "set PROJDYN_PROGRAM to that of a build"):
             projdyn.usd(self.path / "sheet")
+        with mock.patch.dict(os.environ, {"PROJDYN_PROGRAM": "/no/such"}), \
+                self.assertRaisesRegex(projdyn.Error, "PROJDYN_PROGRAM: /no/such: there is no such program"):
+            projdyn.usd(self.path / "sheet")
 
     def test_failure(self):
         """A failure that is not one of the arguments."""
