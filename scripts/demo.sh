@@ -1,5 +1,5 @@
 #!/bin/sh
-# A pool in a cloth, from a bare Debian 12 to a page that shows it: installs, builds, runs, packs.
+# A pool in a cloth, from a bare Debian 12 or 13 to a page that shows it: installs, builds, runs, packs.
 set -eu
 cd "$(dirname "$0")/.."
 scripts/build.sh
