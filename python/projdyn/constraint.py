@@ -56,7 +56,7 @@ class Constraint(Fixed):
     def __getitem__(self, name: str) -> Any:
         """A parameter: a number; an array of three for a vector; n x 4 for the keys of a path; the
         rows of a table, rows x width, or an array of n for rows of one number."""
-        values = {key: parameter.value for key, parameter in self.parameters.items()}
+        values: dict[str, Any] = {key: parameter.value for key, parameter in self.parameters.items()}
         values.update(self._vectors())
         if name not in values:
             raise KeyError(f"{name}: {self!r} has {', '.join(values)}")

@@ -32,7 +32,7 @@ class Writer(Unique):
         self.directory = os.fspath(directory)
         writer = (handle.make(lib.pdyn_writer_resume, path) if resume
                   else handle.make(lib.pdyn_writer_open, path, ply))
-        self._handle = Handle(writer, lib.pdyn_writer_close, handle)
+        self._handle, self._simulation = Handle(writer, lib.pdyn_writer_close, handle), handle
         if not resume:
             self.frame()
         self._start, self._is_used = lib.pdyn_time(handle.pointer), False
@@ -64,7 +64,7 @@ class Writer(Unique):
 
     def _write_last(self) -> None:
         """Python raises KeyboardInterrupt at the end of a call, mostly of a step: its row is missing."""
-        info, time = self._last[0], lib.pdyn_time(self._handle.parent.pointer)
+        info, time = self._last[0], lib.pdyn_time(self._simulation.pointer)
         if info.time == time and abs(info.time - info.h - self._written) < 1e-6 * info.h:
             self.step(info)
 
@@ -78,7 +78,7 @@ class Writer(Unique):
             self.save()
         finally:
             self._handle.finalize()
-        if not (failed or interrupted or self._is_used) and lib.pdyn_time(self._handle.parent.pointer) > self._start:
+        if not (failed or interrupted or self._is_used) and lib.pdyn_time(self._simulation.pointer) > self._start:
             warnings.warn(f"{self.directory}: none of the steps was written: call writer.step(info) after each",
                           RuntimeWarning, stacklevel=3)
 
