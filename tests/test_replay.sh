@@ -105,6 +105,10 @@ python=${PYTHON:-python3}
 "$python" "$here/draw_views.py" "$folder/replay.html" "$folder" hide=water hide=sheet hide=tank hide=ball look=particles \
     surface=checker surface=stretch fluid=speed fluid=pressure "fluid=speed&surface=stretch" "hide=water&fluid=speed" cut=x-0.5 camera=90,20,1,0,0.4,0 camera=90,20,1
 picture hide=rod hide=rod
+"$projdyn" render "$run" -o "$folder/third.png" --size 480x300 --frame 3 >/dev/null
+picture link "frame=3&play=0"
+cmp "$folder/link.png" "$folder/third.png" || fail "the text of the button Link draws another frame"
+rm "$folder/link.png" "$folder/third.png"
 
 # A run that has no report yet looks as it does with one. Without files.json, too, the bodies are still shown.
 picture reported ""

@@ -24,7 +24,7 @@ static const char usage[] =
     "\n"
     "  -o, --output FILE  picture, pictures or film\n"
     "      --size WxH     size in pixels, both even (default 1280x720)\n"
-    "      --frame N      frame of a picture (default: the last one)\n"
+    "      --frame N      frame of a picture (default: that of --view, or the last one)\n"
     "      --time S       frame of a picture: the one nearest to this time, s\n"
     "      --frames A:B   of a film or numbered pictures: only the frames A to B, counted from 0\n"
     "      --fps N        pictures a second of a film (default: as fast as simulated)\n"
@@ -42,7 +42,7 @@ enum { SAMPLES = 2 /* a side of a pixel of the picture is drawn as so many */ };
 struct options {
     const char *output, *view;
     long width, height;
-    int frame;          /* -1: the last one */
+    int frame;          /* -1: that of the view, or the last one */
     long first, last;   /* frames of a film; last -1: the last one */
     double time, fps;   /* NAN: not given */
     double turntable;   /* s; 0: none */
@@ -106,6 +106,18 @@ static double simulated_rate(const struct run *run) {
     return span > 0.0 ? (run->frames - 1) / span : 25.0;
 }
 
+/* The frame that a view names, at most the last one; the last one if it names none. */
+static int view_frame(const char *view, int last) {
+    static const char name[] = "frame=";
+    for (const char *at = view; at; at = strchr(at, '&')) {
+        at += *at == '&';
+        if (strncmp(at, name, strlen(name))) continue;
+        long frame = strtol(at + strlen(name), NULL, 10);
+        return frame < last ? (int)frame : last;
+    }
+    return last;
+}
+
 /* Sets the frame of a picture and the rate of a film; EXIT_BAD_INPUT if the run lacks a frame. */
 static int choose_frame(const struct run *run, struct options *options) {
     if (options->frame >= run->frames)
@@ -116,7 +128,7 @@ static int choose_frame(const struct run *run, struct options *options) {
             "render: --frames: expected at most %d, the last frame of the run, found %ld",
             run->frames - 1, options->last);
     if (options->last < 0) options->last = run->frames - 1;
-    if (options->frame < 0) options->frame = run->frames - 1;
+    if (options->frame < 0) options->frame = view_frame(options->view, run->frames - 1);
     if (isnan(options->fps)) options->fps = options->turntable > 0.0 ? 25.0 : simulated_rate(run);
     double nearest = INFINITY;
     for (int f = 0; f < run->frames && !isnan(options->time); f++) {

@@ -63,8 +63,8 @@ def render(directory: Path, file: Path, *, size: tuple[int, int] = (1280, 720),
     ("out_%04d.png") of a run: `projdyn render`. Needs Chromium, and ffmpeg for films.
 
     size: pixels, even numbers. time: the picture is of the frame nearest to it, s; or frame: its number
-    from 0; otherwise the last one. frames: first and last frame of a film. fps: pictures a second of a
-    film, otherwise as fast as simulated. view: as "fluid=speed&camera=28,20,1". camera: keys over time,
+    from 0; otherwise that of the view, or the last one. frames: first and last frame of a film. fps:
+    pictures a second of a film, otherwise as fast as simulated. view: as "fluid=speed&camera=28,20,1". camera: keys over time,
     as [{"time": 0, "yaw": 0}, {"time": 1, "yaw": 90}], or a file of them. turntable: length of a film
     that goes once around a frame, s. InputError: an option or the directory is not valid.
     """
