@@ -12,7 +12,7 @@ say() { "$@" >"$dir/said" 2>&1 || { cat "$dir/said" >&2; exit 1; }; } # prints w
 
 echo "== packages"
 mkdir "$dir/source" "$dir/root"
-git ls-files -z --cached --others --exclude-standard | xargs -0 cp --parents -t "$dir/source"
+tar -c --exclude-vcs --exclude='./build*' --exclude='./out*' --exclude=./dist --exclude=__pycache__ . | tar -x -C "$dir/source"
 version=$(dpkg-parsechangelog -S Version)
 grep -q "^  version: '$version'" meson.build || { echo "debian/changelog: expected the version of meson.build, found $version" >&2; exit 1; }
 (cd "$dir/source" && say dpkg-buildpackage -us -uc -b)
