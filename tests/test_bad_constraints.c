@@ -151,10 +151,13 @@ static const struct bad_scene bad_constraints[] = {
     /* selected vertices and paths */
     {CLOTH("{'type': 'pin'}"),
      "scene.json:3:18: bodies[0].constraints[0].vertices: missing, expected an object "
-     "that selects vertices, or an array of such objects"},
+     "that selects vertices, such as {\"all\": true}, or an array of such objects"},
     {PIN("'all'"),
      "scene.json:3:46: bodies[0].constraints[0].vertices: expected an object that selects "
-     "vertices, or an array of such objects, found \"all\""},
+     "vertices, such as {\"all\": true}, or an array of such objects, found \"all\""},
+    {PIN("[0]"),
+     "scene.json:3:47: bodies[0].constraints[0].vertices[0]: expected an object that selects "
+     "vertices, such as {\"vertices\": [0, 4]}, found 0"},
     {PIN("[]"), "scene.json:3:46: bodies[0].constraints[0].vertices: selects none of 9 vertices"},
     {PIN("{}"), "scene.json:3:46: bodies[0].constraints[0].vertices: expected exactly one of "
                 "\"all\", \"vertices\", \"box\", \"sphere\", \"border\", found 0 keys"},

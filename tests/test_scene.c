@@ -315,10 +315,12 @@ static void test_locale(void **state) {
     assert_true(scene.settings.frame_interval == 0.25);
     free_good(&scene);
     pdyn_status status = read_text(TOP("'solver': {'tolerance': -0.5}"), NULL, 0, &scene);
-    setlocale(LC_ALL, "C");
     assert_failure(
         status, &scene,
         "scene.json:2:26: solver.tolerance: expected a number from 0 to 1000, found -0.5");
+    set_error(PDYN_BAD_INPUT, "found %g s", 0.5); /* as in a step */
+    setlocale(LC_ALL, "C");
+    assert_string_equal(pdyn_last_error(context), "found 0.5 s");
 }
 
 int main(void) {

@@ -49,6 +49,8 @@ class Simulation(Fixed):
     """
 
     def __init__(self, handle: Handle) -> None:
+        if not isinstance(handle, Handle):
+            raise TypeError("a simulation is made by projdyn.load(path) or Scene.load(), not by Simulation()")
         self._handle = handle
         state = State()
         lib.pdyn_get_state_sized(handle.pointer, byref(state), sizeof(state))

@@ -203,6 +203,10 @@ class Views(unittest.TestCase):
         gc.collect()
         self.assertEqual(freed, [2, 1])
 
+    def test_simulations_come_from_load(self):
+        with self.assertRaisesRegex(TypeError, "projdyn.load"):
+            projdyn.Simulation("scene.json")
+
     def test_nothing_is_copied_or_pickled(self):
         scene = hanging_sheet()
         sim = scene.load()

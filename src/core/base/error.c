@@ -1,7 +1,8 @@
 #include "error.h"
 
+#include "text.h"
+
 #include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 
 static _Thread_local char last_error[ERROR_LENGTH];
@@ -13,10 +14,10 @@ const char *pdyn_last_error(const pdyn_context *context) {
 }
 
 pdyn_status set_error(pdyn_status status, const char *format, ...) {
-    char text[ERROR_LENGTH];
+    char text[ERROR_LENGTH]; /* the arguments may contain the last error */
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    text_write(text, sizeof text, format, args);
     va_end(args);
     memcpy(last_error, text, sizeof text);
     count++;

@@ -1,7 +1,6 @@
 /* Text for messages: appending, clipping, the C locale. */
 #include "text.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -22,6 +21,13 @@ void text_clip(char *text, size_t size, const char *from) {
         text[i] = c < 0x20 || c == 0x7F ? '?' : from[i];
     }
     strcpy(text + keep, keep < length ? "..." : "");
+}
+
+void text_write(char *text, size_t size, const char *format, va_list args) {
+    struct text_locale locale;
+    bool plain = text_begin(&locale);
+    vsnprintf(text, size, format, args);
+    if (plain) text_end(&locale);
 }
 
 bool text_begin(struct text_locale *locale) {

@@ -5,11 +5,15 @@
 #include "projdyn/projdyn.h"
 
 #include <locale.h>
+#include <stdarg.h>
 
 enum { NAME_LENGTH = 64 }; /* largest length of the name of a body, a solid or a probe */
 
 /* Appends formatted text, truncated to `size` bytes in all, the closing NUL included. */
 void text_append(char *text, size_t size, const char *format, ...) PDYN_PRINTF(3, 4);
+
+/* vsnprintf with a decimal point in any locale of the program. */
+void text_write(char *text, size_t size, const char *format, va_list args);
 
 /* Copies at most size - 1 bytes of `from`. Control characters become '?'; a longer text is cut
  * after a complete UTF-8 character and ends with "...". */

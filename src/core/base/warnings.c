@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 
 const char *warning_name(enum warning_code code) {
@@ -51,7 +50,7 @@ void warnings_say(pdyn_context *context, struct warning *w, const char *format, 
     bool first = !*w->text;
     va_list args;
     va_start(args, format);
-    vsnprintf(w->text, sizeof w->text, format, args);
+    text_write(w->text, sizeof w->text, format, args);
     va_end(args);
     if (first)
         context_log(context, PDYN_LOG_WARNING, "%s%s%s [%s]", w->subject, *w->subject ? ": " : "",

@@ -66,6 +66,8 @@ static pdyn_status (*const selectors[])(const struct json_at *at, struct selecti
     select_all, select_listed, select_box, select_sphere, select_border};
 
 static pdyn_status select_vertices(const struct json_at *at, struct selection *c) {
+    if (!json_is_object(at->value))
+        return json_expected(at, "an object that selects vertices, such as {\"vertices\": [0, 4]}");
     pdyn_status status = params_check_keys(at, NULL, selector_names);
     if (status == PDYN_OK && json_object_size(at->value) != 1)
         status = json_fail(
@@ -106,7 +108,8 @@ static pdyn_status list_chosen(const struct json_at *at, const struct selection 
 pdyn_status vertex_selection_read(const struct json_at *at, const struct mesh *surface,
                                   pdyn_vertices *out) {
     if (!json_is_object(at->value) && !json_is_array(at->value))
-        return json_expected(at, "an object that selects vertices, or an array of such objects");
+        return json_expected(at, "an object that selects vertices, such as {\"all\": true}, or an "
+                                 "array of such objects");
     if (!surface) return json_fail(at, "vertices can be selected on a surface only");
     struct selection c = {at->file->context, surface,
                           NEW_ARRAY(at->file->context, surface->vertices, bool)};
