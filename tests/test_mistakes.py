@@ -179,7 +179,7 @@ MISTAKES = [
     Mistake("particles that do not fit the edges of their box", change(("bodies.0.particles.radius", 0.0167), *WATER_ONLY),
             "fill 70.4 % of a box of 0.4 x 0.12 x 0.4 m; particles of radius 0.02 m fill 100 %"),
     Mistake("particles too large for a ball", change(("bodies.0.particles.fill.0", {"sphere": {"center": [0, 0.06, 0], "radius": 0.06}}), *WATER_ONLY),
-            "water: particles of radius 0.02 m fill 50 % of the volume of fill[0]; smaller ones fill more of it [coarse]"),
+            "water: particles of radius 0.02 m fill 50 % of the volume of fill[0] [coarse]"),
     Mistake("a turn as fast as the steps", change(("bodies.0", {**CRATE, "constraints": [
         {"type": "pin", "vertices": {"all": True}, "turn": [[0, 0, 0, 0], [0.03, 0, 1200, 0]]}]}), ("bodies.1", None), ("contact", None)),
             'crate: the turn of "pin" goes on by up to 200 degrees in a step of 0.005 s', "[unusual]"),

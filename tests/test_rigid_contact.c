@@ -402,6 +402,30 @@ static void test_two_bumpers(void **state) {
     test_close(sim);
 }
 
+/* A cart pushes a light bumper and a second cart against a pinned post. What the limit takes off
+ * the impulses of the bumper, the carts and the pins get: the momentum is that of the pins' forces.
+ */
+static void test_bumper_at_a_pinned_post(void **state) {
+    (void)state;
+    pdyn_sim *sim = test_open(RIGID_SCENE(
+        "0.005", "[0, 0, 0]", ", 'contact': {'thickness': 0.005}, 'solver': {'tolerance': 1e-5}",
+        CART("[2, 0, 0]", "[-0.2, -0.05, -0.05]", "[-0.1, 0.05, 0.05]")
+            CART("[0, 0, 0]", "[0.06, -0.05, -0.05]", "[0.16, 0.05, 0.05]")
+                BUMPER("[0, 0, 0]") ", {'volume': {'grid': {'size': [0.1, 0.1, 0.1], 'cells': [2, "
+                                    "2, 2]}, 'translate': "
+                                    "[0.214, 0, 0], 'density': 500}, 'constraints': [{'type': "
+                                    "'tet', 'stiffness': 1e5}, "
+                                    "{'type': 'pin', 'vertices': {'box': {'minimum': [0.26, -1, "
+                                    "-1], 'maximum': [0.27, "
+                                    "1, 1]}}}]}"));
+    pdyn_step_info info = {0};
+    double by_pins = 0.0;
+    for (int n = 0; n < 60; n++) info = test_step(sim), by_pins += info.h * info.pin_reaction[0];
+    assert_true(by_pins < -3.0);
+    assert_true(fabs(info.momentum[0] - 2.0 - by_pins) < 0.02);
+    test_close(sim);
+}
+
 /* A box turns about its middle on the diagonal of a floor of two triangles, which is no bump: mu g
  * m on four corners stops it. */
 static void test_turning_on_a_diagonal(void **state) {
@@ -524,6 +548,7 @@ int main(void) {
         cmocka_unit_test(test_bumper),
         cmocka_unit_test(test_two_bumpers),
         cmocka_unit_test(test_corner_at_a_hinged_post),
+        cmocka_unit_test(test_bumper_at_a_pinned_post),
         cmocka_unit_test(test_turning_on_a_diagonal),
         cmocka_unit_test(test_turntable),
         cmocka_unit_test(test_pinned_plate),

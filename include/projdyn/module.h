@@ -316,7 +316,8 @@ typedef struct pdyn_one_sided {
     const double *stiffness;  /* count: k_i; 0 for a constraint without energy */
     const double *squares;    /* count: |grad C_i|^2 over all its particles */
     const double *weight_sum; /* particles: sum of the weights of all constraints that select the
-                                particle, N/m; eps = 1 adds it to the diagonal of H */
+                                particle, N/m; eps = 1 adds it to the diagonal of H, that of
+                                a sample to the vertices of its triangle */
 } pdyn_one_sided;
 
 /* Vectors (x, u, y, gradient: particles x 3) have room for one more number, so that the position of

@@ -43,8 +43,8 @@ class Writer(Unique):
         if not isinstance(info, StepInfo):
             raise wrong_type("info", "the result of a step", info)
         self._is_used = True
+        self._written = info.time  # before the call, at whose end Python raises KeyboardInterrupt
         self._handle.call(lib.pdyn_writer_step_sized, byref(info), sizeof(info))
-        self._written = info.time
         if info.frame:
             self.frame()
 
@@ -65,8 +65,12 @@ class Writer(Unique):
     def _write_last(self) -> None:
         """Python raises KeyboardInterrupt at the end of a call, mostly of a step: its row is missing."""
         info, time = self._last[0], lib.pdyn_time(self._simulation.pointer)
-        if info.time == time and abs(info.time - info.h - self._written) < 1e-6 * info.h:
+        if info.time != time:
+            return
+        if abs(info.time - info.h - self._written) < 1e-6 * info.h:
             self.step(info)
+        elif info.frame and self._written == time:
+            self.frame()
 
     def _end(self, failed: str, interrupted: bool) -> None:
         if not self._handle.finalize.alive:

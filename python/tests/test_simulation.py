@@ -381,10 +381,15 @@ class Files(unittest.TestCase):
             self.assertEqual(list(pathlib.Path(folder).iterdir()), [])
 
     def test_written_run_goes_on_after_an_interrupt(self):
-        for is_written in (True, False):  # whether the last step is: Ctrl-C mostly comes before
-            self._expect_resumed(is_written)
+        for place in ("before the row", "after the row", "after the frame"):
+            self._expect_resumed(place)
 
-    def _expect_resumed(self, is_written):
+    def _expect_resumed(self, place):
+        def write_row_and_raise(function, *arguments):  # Python raises Ctrl-C at the end of a call
+            del writer._handle.call
+            writer._handle.call(function, *arguments)
+            raise KeyboardInterrupt
+
         with tempfile.TemporaryDirectory() as folder:
             scene = hanging_sheet(duration=0.1)
             whole = scene.load()
@@ -393,7 +398,9 @@ class Files(unittest.TestCase):
             with self.assertRaises(KeyboardInterrupt), sim.write(folder) as writer:
                 for info in sim.run():
                     last = info.frame and sim.time > 0.04
-                    if is_written or not last:
+                    if last and place == "after the row":
+                        writer._handle.call = write_row_and_raise
+                    if not last or place != "before the row":
                         writer.step(info)
                     if last:
                         raise KeyboardInterrupt

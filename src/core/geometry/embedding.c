@@ -1,5 +1,6 @@
 #include "embedding.h"
 
+#include "base/groups.h"
 #include "bvh.h"
 #include "projdyn/vec3.h"
 
@@ -128,16 +129,12 @@ struct parts {
 static void label_parts(struct parts *p, const struct embedding *e) {
     for (int i = 0; i < e->count; i++)
         p->label[i] = least_of(e->weight + 4 * (size_t)i) < far ? i : -1;
-    for (bool changed = true; changed;) {
-        changed = false;
-        for (int k = 0; k < 3 * p->mesh->triangles; k++) {
-            int *a = p->label + p->mesh->triangle[k];
-            int *b = p->label + p->mesh->triangle[k % 3 < 2 ? k + 1 : k - 2];
-            if (*a < 0 || *b < 0 || *a == *b) continue;
-            *a = *b = *a < *b ? *a : *b;
-            changed = true;
-        }
+    for (int k = 0; k < 3 * p->mesh->triangles; k++) {
+        int a = p->mesh->triangle[k], b = p->mesh->triangle[k % 3 < 2 ? k + 1 : k - 2];
+        if (p->label[a] >= 0 && p->label[b] >= 0) groups_join(p->label, a, b);
     }
+    for (int i = 0; i < e->count; i++)
+        if (p->label[i] >= 0) p->label[i] = groups_first(p->label, i);
 }
 
 static struct part *part_of(const struct parts *p, int vertex) {

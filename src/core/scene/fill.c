@@ -15,7 +15,7 @@ struct fill {
     const struct json_at *entry;
     struct scene_body *body;
     bool has_velocity; /* the entry has its own "velocity" */
-    double volume;     /* m^3, of the shape; INFINITY: that of a file */
+    double volume;     /* m^3, of the shape; INFINITY: not known */
 };
 
 /* ---- shapes: each appends particles to the body ---------------------------------------------- */
@@ -102,11 +102,13 @@ static pdyn_status fill_sphere(const struct json_at *at, struct fill *fill) {
     return status == PDYN_OK ? count_added(at, fill, before) : status;
 }
 
-/* Of the inside as particles see it, whichever way the triangles face. */
+/* Of the inside as particles see it, whichever way the triangles face. INFINITY: pieces cross, and
+ * particles fill only places inside an odd number of them. */
 static pdyn_status measure_mesh(pdyn_context *context, struct mesh *mesh, double *volume) {
     struct mesh_turned turned;
     pdyn_status status = mesh_orient_pieces(context, mesh, &turned);
-    *volume = fabs(mesh_volume(mesh->triangles, mesh->triangle, mesh->vertex));
+    *volume = turned.crossing ? INFINITY
+                              : fabs(mesh_volume(mesh->triangles, mesh->triangle, mesh->vertex));
     return status;
 }
 

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum where { ANYWHERE, IN_FLUID, NOT_IN_FLUID }; /* objects in which a key is unknown */
+enum where { ANYWHERE, IN_FLUID, NOT_IN_FLUID, IN_BODY }; /* objects in which a key is unknown */
 static const struct {
     const char *key, *place;
     enum where where;
@@ -22,9 +22,9 @@ static const struct {
     {"boundary", "\"boundary\" of the scene", ANYWHERE},
     {"outlets", "\"outlets\" of the scene", ANYWHERE},
     {"time_step", "\"time_step\" of the scene", ANYWHERE},
-    {"static", "\"solids\" of the scene", NOT_IN_FLUID},
-    {"kinematic", "\"solids\" of the scene", NOT_IN_FLUID},
-    {"isDynamic", "\"solids\" of the scene", NOT_IN_FLUID},
+    {"static", "\"solids\" of the scene", IN_BODY},
+    {"kinematic", "\"solids\" of the scene", IN_BODY},
+    {"isDynamic", "\"solids\" of the scene", IN_BODY},
     {"rest_density", "\"particles.rest_density\" of the body", IN_FLUID},
     {"viscosity", "\"viscosity\" in the \"constraints\" of a fluid", ANYWHERE},
     {"surface_tension", "\"surface_tension\" in the \"constraints\" of a fluid", ANYWHERE},
@@ -72,6 +72,19 @@ static bool is_in_fluid(const struct json_at *object) {
     return false;
 }
 
+/* Whether the object is a body, or a part of one. */
+static bool is_in_body(const struct json_at *object) {
+    for (; object; object = object->parent)
+        if (object->key && !strcmp(object->key, "bodies")) return true;
+    return false;
+}
+
+/* Whether a key of this kind may be meant in the object. */
+static bool fits(enum where where, const struct json_at *object) {
+    if (where == IN_BODY) return is_in_body(object);
+    return where == ANYWHERE || is_in_fluid(object) == (where == IN_FLUID);
+}
+
 /* Whether the object is a constraint of this type, which has a parameter of another name. */
 static bool is_constraint(const struct json_at *object, const char *type) {
     const char *found = json_string_value(json_object_get(object->value, "type"));
@@ -85,11 +98,10 @@ static bool chooses_vertices(const struct json_at *object) {
 }
 
 static bool hint_elsewhere(char *hint, size_t size, const struct json_at *at) {
-    enum where other = is_in_fluid(at->parent) ? NOT_IN_FLUID : IN_FLUID;
     if (!at->parent->parent || is_constraint(at->parent, at->key) || chooses_vertices(at->parent))
         return false;
     for (size_t k = 0; k < sizeof elsewhere / sizeof *elsewhere; k++)
-        if (!strcmp(at->key, elsewhere[k].key) && elsewhere[k].where != other) {
+        if (!strcmp(at->key, elsewhere[k].key) && fits(elsewhere[k].where, at->parent)) {
             text_append(hint, size, "; did you mean %s?", elsewhere[k].place);
             return true;
         }

@@ -206,9 +206,8 @@ static void check_volumes(struct pdyn_sim *sim, int b) {
             least = k;
     if (least >= 0)
         WARN(sim, COARSE, body->name,
-             "particles of radius %.4g m fill %.2g %% of the volume of fill[%d]; smaller ones "
-             "fill more of it",
-             body->radius, 100.0 * body->fill[least].part, least);
+             "particles of radius %.4g m fill %.2g %% of the volume of fill[%d]", body->radius,
+             100.0 * body->fill[least].part, least);
 }
 
 static void check_thickness(struct pdyn_sim *sim, int b) {

@@ -186,11 +186,12 @@ static double turn_from(const pdyn_path *turn, double time, double step) {
     return most;
 }
 
-/* The change is linear in between where the step begins or ends at a key. */
+/* The largest change is in a step that begins or ends at a key. */
 static void check_turn(struct pdyn_sim *sim, int b, const char *type, const pdyn_path *turn) {
     double step = longest_step(&sim->scene.settings), most = 0.0;
     for (int k = 0; k < turn->count; k++) {
         double at = turn->key[4 * (size_t)k];
+        if (at > sim->scene.settings.duration) break;
         most = fmax(most, turn_from(turn, at, step));
         most = fmax(most, turn_from(turn, at - step, step));
     }

@@ -69,17 +69,12 @@ static void shift_velocities(struct pdyn_sim *sim, int b, double h, struct impul
 }
 
 /* share[i]: size of the impulse of particle i, kg m/s; for the points of a rigid body the sum over
- * them; -INFINITY for pinned bodies. */
+ * them. */
 static void find_shares(const struct pdyn_sim *sim, const double *between, double *share) {
     const struct objective *objective = &sim->objective;
     const struct rigid_map *map = objective->rigid;
-    for (int b = 0; b < sim->bodies; b++) {
-        const struct objective_body *body = &objective->body[b];
-        bool pinned = sim_pins_body(sim, b);
-        for (int i = body->first; i < body->first + body->count; i++)
-            share[i] =
-                pinned ? -INFINITY : objective->mass[i] * vec3_length(between + 3 * (size_t)i);
-    }
+    for (int i = 0; i < objective->particles; i++)
+        share[i] = objective->mass[i] * vec3_length(between + 3 * (size_t)i);
     for (int b = 0; map && b < map->bodies; b++) {
         double *point = share + map->body[b].first + map->body[b].vertices, sum = 0.0;
         for (int k = 0; k < RIGID_POINTS; k++) sum += point[k];
@@ -114,33 +109,52 @@ static bool loses_momentum(const struct objective *objective, const struct impul
     return false;
 }
 
+struct group_sums { /* at the first particle of each group */
+    double *lost;   /* particles x 3, kg m/s: the rest of the impulses between particles */
+    double *shares; /* particles: mass times share */
+};
+
+/* Adds the part of body b in the lost momenta to its velocities. The pins of a pinned body take it.
+ */
+static void give_to_body(struct pdyn_sim *sim, int b, double h, const double *share,
+                         const struct group_sums *sums) {
+    const struct objective *objective = &sim->objective;
+    const struct objective_body *body = &objective->body[b];
+    double part = objective->h / h, *passed_on = sim->impacts.passed_on + 3 * (size_t)b;
+    bool pinned = sim_pins_body(sim, b);
+    for (int i = body->first; i < body->first + body->count; i++) {
+        int first = groups_first(sim->impacts.group, i);
+        const double *lost = sums->lost + 3 * (size_t)first;
+        double given = sums->shares[first] > 0.0 ? share[i] / sums->shares[first] : 0.0;
+        if (pinned) {
+            vec3_add(passed_on, objective->mass[i] * given / objective->h, lost);
+            continue;
+        }
+        vec3_add(sim->v + 3 * (size_t)i, -(1.0 - part) * given, lost);
+        vec3_add(sim->v_before + 3 * (size_t)i, part * given, lost);
+    }
+}
+
 /* Gives the momentum that the rest of the impulses between particles takes away back to the
  * particles of the same group, in proportion to their impulses: a light particle changes its
  * velocity no more than a heavy one with the same impulse, and a particle without an impulse not at
- * all. In a group with a pinned body the pins take it: a light vertex at that body would get back
- * all that the limit has taken. Overwrites impulses->all with the lost momenta of the groups;
- * share: particles x 3. */
+ * all. Overwrites impulses->all; share: particles x 3. */
 static void give_back(struct pdyn_sim *sim, double h, const struct impulses *impulses,
                       double *share) {
     const struct objective *objective = &sim->objective;
-    double part = objective->h / h, *lost = impulses->all, *sum = share + objective->particles;
+    const struct group_sums sums = {impulses->all, share + objective->particles};
     if (!loses_momentum(objective, impulses)) return;
     find_shares(sim, impulses->between, share);
     find_groups(sim);
-    memset(lost, 0, objective_bytes(objective));
-    memset(sum, 0, (size_t)objective->particles * sizeof *sum);
+    memset(sums.lost, 0, objective_bytes(objective));
+    memset(sums.shares, 0, (size_t)objective->particles * sizeof *sums.shares);
     for (int i = 0; i < objective->particles; i++) {
         int first = groups_first(sim->impacts.group, i);
         double left = objective->mass[i] * (1.0 - impulses->kept[i]);
-        vec3_add(lost + 3 * (size_t)first, left, impulses->between + 3 * (size_t)i);
-        sum[first] += share[i] < 0.0 ? share[i] : objective->mass[i] * share[i];
+        vec3_add(sums.lost + 3 * (size_t)first, left, impulses->between + 3 * (size_t)i);
+        sums.shares[first] += objective->mass[i] * share[i];
     }
-    for (int i = 0; i < objective->particles; i++) {
-        int first = groups_first(sim->impacts.group, i);
-        double given = sum[first] > 0.0 ? share[i] / sum[first] : 0.0;
-        vec3_add(sim->v + 3 * (size_t)i, -(1.0 - part) * given, lost + 3 * (size_t)first);
-        vec3_add(sim->v_before + 3 * (size_t)i, part * given, lost + 3 * (size_t)first);
-    }
+    for (int b = 0; b < sim->bodies; b++) give_to_body(sim, b, h, share, &sums);
 }
 
 /* Whether a particle can be held by forces that are no impacts, of pins or membranes. */
