@@ -1,5 +1,6 @@
 /* The scenes of trials, written from a type's parameter table. */
 #include "base/param_kind.h"
+#include "base/text.h"
 #include "conformance.h"
 #include "scene/scene_file.h"
 
@@ -155,10 +156,13 @@ static void write_scene(FILE *text, const struct trial_scene *scene) {
 static char *compose(const struct trial_scene *scene) {
     char *text = NULL;
     size_t size;
+    struct text_locale locale;
     FILE *file = open_memstream(&text, &size);
     if (!file) return NULL;
+    bool plain = text_begin(&locale);
     write_scene(file, scene);
-    if (!fclose(file)) return text;
+    if (plain) text_end(&locale);
+    if (!fclose(file) && plain) return text;
     free(text);
     return NULL;
 }
