@@ -1,6 +1,7 @@
 /* Good scenes with all that comes of them: defaults, overrides, choices, files; and allocation
  * failure. */
 #include "base/registry.h"
+#include "base/text.h"
 #include "scene_support.h"
 
 #include <glob.h>
@@ -319,8 +320,11 @@ static void test_locale(void **state) {
         status, &scene,
         "scene.json:2:26: solver.tolerance: expected a number from 0 to 1000, found -0.5");
     set_error(PDYN_BAD_INPUT, "found %g s", 0.5); /* as in a step */
+    char appended[16] = "";
+    text_append(appended, sizeof appended, "%g s", 0.5);
     setlocale(LC_ALL, "C");
     assert_string_equal(pdyn_last_error(context), "found 0.5 s");
+    assert_string_equal(appended, "0.5 s");
 }
 
 int main(void) {

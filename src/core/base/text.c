@@ -8,7 +8,7 @@ void text_append(char *text, size_t size, const char *format, ...) {
     size_t length = strlen(text);
     va_list args;
     va_start(args, format);
-    vsnprintf(text + length, size - length, format, args);
+    text_write(text + length, size - length, format, args);
     va_end(args);
 }
 

@@ -1,4 +1,4 @@
-/* Text for messages: append, clip, numbers in the C locale. */
+/* Text for messages: write, append, clip; numbers have a decimal point in any locale. */
 #ifndef PDYN_TEXT_H
 #define PDYN_TEXT_H
 
@@ -12,7 +12,7 @@ enum { NAME_LENGTH = 64 }; /* largest length of the name of a body, a solid or a
 /* Appends formatted text, truncated to `size` bytes in all, the closing NUL included. */
 void text_append(char *text, size_t size, const char *format, ...) PDYN_PRINTF(3, 4);
 
-/* vsnprintf with a decimal point in any locale of the program. */
+/* As vsnprintf. */
 void text_write(char *text, size_t size, const char *format, va_list args);
 
 /* Copies at most size - 1 bytes of `from`. Control characters become '?'; a longer text is cut

@@ -52,6 +52,7 @@ pdyn_status batch_begin(struct batch *b, const struct step_start *start,
     return rows_check_weights(b);
 }
 
+/* After the local step of an operator: sides, and D with the part of samples. */
 static pdyn_status begin_one_sided(struct batch *b) {
     struct one_sided *s = &b->one_sided;
     pdyn_status status = one_sided_begin(s);
