@@ -68,47 +68,88 @@ static inline void svd3_make_normal(double *a, const double *b, double least) {
     for (int k = 0; k < 3; k++) a[k] /= length;
 }
 
-/* Completes a decomposition of F from the eigenvalues and eigenvectors of F' F. */
-static inline svd3 svd3_complete(const double *F, const double value[3], double right[3][3]) {
-    static const double unit[3] = {1, 0, 0};
-    svd3 d;
-    double along[3][3];
-    int order[3] = {0, 1, 2};
-    for (int k = 0; k < 3; k++) { /* descending: 3 exchanges sort 3 numbers */
-        int i = k == 1 ? 1 : 0, high = order[i + 1];
-        if (value[order[i]] < value[high]) order[i + 1] = order[i], order[i] = high;
+/* Vectors of lane l: to = x . y, and to = x x y */
+INLINE double svd3_dot(double x[3][SVD3_LANES], double y[3][SVD3_LANES], int l) {
+    return x[0][l] * y[0][l] + x[1][l] * y[1][l] + x[2][l] * y[2][l];
+}
+INLINE void svd3_cross(double to[3][SVD3_LANES], double x[3][SVD3_LANES], double y[3][SVD3_LANES],
+                       int l) {
+    to[0][l] = x[1][l] * y[2][l] - x[2][l] * y[1][l];
+    to[1][l] = x[2][l] * y[0][l] - x[0][l] * y[2][l];
+    to[2][l] = x[0][l] * y[1][l] - x[1][l] * y[0][l];
+}
+
+/* Sorts the rows of `right` by falling eigenvalues A_ii; the last row makes them right-handed. */
+INLINE void svd3_sort(svd3_lanes A, svd3_lanes right, int lanes) {
+    for (int k = 0; k < 3; k++) { /* 3 exchanges sort 3 numbers */
+        int i = k == 1 ? 1 : 0, j = i + 1;
+        for (int l = 0; l < lanes; l++) {
+            double a = A[i][i][l], b = A[j][j][l];
+            A[i][i][l] = a < b ? b : a, A[j][j][l] = a < b ? a : b;
+            for (int m = 0; m < 3; m++) {
+                double x = right[i][m][l], y = right[j][m][l];
+                right[i][m][l] = a < b ? y : x, right[j][m][l] = a < b ? x : y;
+            }
+        }
     }
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 3; k++) d.right[i][k] = right[order[i]][k];
-    vec3_cross(d.right[2], d.right[0], d.right[1]);
-    for (int i = 0; i < 3; i++)
+    for (int l = 0; l < lanes; l++) svd3_cross(right[2], right[0], right[1], l);
+}
+
+/* left[1]: along[1] made normal to left[0], lane by lane where that is too short for a direction */
+static inline void svd3_repair(svd3_lanes left, svd3_lanes along, int l) {
+    double a[3], b[3];
+    for (int k = 0; k < 3; k++) a[k] = along[1][k][l], b[k] = left[0][k][l];
+    svd3_make_normal(a, b, INFINITY);
+    for (int k = 0; k < 3; k++) left[1][k][l] = a[k];
+}
+
+/* Left vectors and singular values s from F and its sorted right vectors. */
+INLINE void svd3_complete(svd3_lanes F, svd3_lanes right, svd3_lanes left, double s[3][SVD3_LANES],
+                          int lanes) {
+    svd3_lanes along;
+    double length[SVD3_LANES];
+    for (int l = 0; l < lanes; l++) {
+        for (int i = 0; i < 3; i++)
+            for (int k = 0; k < 3; k++)
+                along[i][k][l] = right[i][0][l] * F[0][k][l] + right[i][1][l] * F[1][k][l] +
+                                 right[i][2][l] * F[2][k][l];
+        s[0][l] = sqrt(svd3_dot(along[0], along[0], l));
         for (int k = 0; k < 3; k++)
-            along[i][k] =
-                d.right[i][0] * F[k] + d.right[i][1] * F[3 + k] + d.right[i][2] * F[6 + k];
-    d.s[0] = vec3_length(along[0]);
-    for (int k = 0; k < 3; k++)
-        d.left[0][k] = d.s[0] > 0.0 ? along[0][k] / d.s[0] : unit[k], d.left[1][k] = along[1][k];
-    svd3_make_normal(d.left[1], d.left[0], 1e-12 * d.s[0]);
-    vec3_cross(d.left[2], d.left[0], d.left[1]);
-    d.s[1] = vec3_dot(d.left[1], along[1]), d.s[2] = vec3_dot(d.left[2], along[2]);
-    return d;
+            left[0][k][l] = s[0][l] > 0.0 ? along[0][k][l] / s[0][l] : k == 0;
+        double part = svd3_dot(along[1], left[0], l);
+        for (int k = 0; k < 3; k++) left[1][k][l] = along[1][k][l] - part * left[0][k][l];
+        length[l] = sqrt(svd3_dot(left[1], left[1], l));
+        for (int k = 0; k < 3; k++) left[1][k][l] /= length[l];
+    }
+    for (int l = 0; l < lanes; l++)
+        if (!(length[l] > 1e-12 * s[0][l])) svd3_repair(left, along, l);
+    for (int l = 0; l < lanes; l++) {
+        svd3_cross(left[2], left[0], left[1], l);
+        s[1][l] = svd3_dot(left[1], along[1], l), s[2][l] = svd3_dot(left[2], along[2], l);
+    }
 }
 
 /* Decomposes `lanes` matrices, up to SVD3_LANES, in the time of one: the same bits as svd3_of. The
  * right vectors are the eigenvectors of F' F. `lanes` is a constant, the caller WIDE (simd.h). */
 INLINE void svd3_of_lanes(const double *const F[], svd3 *d, int lanes) {
-    svd3_lanes A, right;
+    svd3_lanes f, A, right, left;
+    double s[3][SVD3_LANES];
+    for (int l = 0; l < lanes; l++)
+        for (int k = 0; k < 9; k++) f[k / 3][k % 3][l] = F[l][k];
     for (int l = 0; l < lanes; l++)
         for (int k = 0; k < 9; k++) {
-            A[k / 3][k % 3][l] = vec3_dot(F[l] + 3 * (k / 3), F[l] + 3 * (k % 3));
+            A[k / 3][k % 3][l] = svd3_dot(f[k / 3], f[k % 3], l);
             right[k / 3][k % 3][l] = k % 4 ? 0.0 : 1.0;
         }
     svd3_diagonalise(A, right, lanes);
-    for (int l = 0; l < lanes; l++) {
-        double value[3] = {A[0][0][l], A[1][1][l], A[2][2][l]}, vectors[3][3];
-        for (int k = 0; k < 9; k++) vectors[k / 3][k % 3] = right[k / 3][k % 3][l];
-        d[l] = svd3_complete(F[l], value, vectors);
-    }
+    svd3_sort(A, right, lanes);
+    svd3_complete(f, right, left, s, lanes);
+    for (int l = 0; l < lanes; l++)
+        for (int k = 0; k < 9; k++) {
+            d[l].left[k / 3][k % 3] = left[k / 3][k % 3][l];
+            d[l].right[k / 3][k % 3] = right[k / 3][k % 3][l];
+            if (k < 3) d[l].s[k] = s[k][l];
+        }
 }
 
 /* Decomposes F, column by column: F[3 * c + k] is entry (k, c). Needs finite entries. */

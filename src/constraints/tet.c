@@ -289,13 +289,22 @@ static void tangent(const void *par, const pdyn_batch *b, int first, int last, d
 
 static double damping(const void *par) { return ((const struct params *)par)->damping; }
 
+static void set_rest(const void *par, int e, const svd3 *d, struct target *target) {
+    target->damps = !is_volume(par, e);
+    strain_damper_rest(d->s, d->right[0], 3, target->rest);
+    target->least = target->most = product(d->s);
+}
+
 static void damping_rest(const void *par, const pdyn_batch *b, int first, int last) {
-    for (int e = first; e < last; e++) {
-        svd3 d = svd3_of(b->u + 9 * (size_t)e);
-        struct target *target = (struct target *)b->data + e;
-        target->damps = !is_volume(par, e);
-        strain_damper_rest(d.s, d.right[0], 3, target->rest);
-        target->least = target->most = product(d.s);
+    const double *u[SVD3_LANES];
+    svd3 d[SVD3_LANES];
+    for (; first < last; first += SVD3_LANES) {
+        int count = last - first < SVD3_LANES ? last - first : SVD3_LANES;
+        for (int l = 0; l < SVD3_LANES; l++)
+            u[l] = b->u + 9 * (size_t)(first + (l < count ? l : 0));
+        decompose_tets(u, d);
+        for (int l = 0; l < count; l++)
+            set_rest(par, first + l, &d[l], (struct target *)b->data + first + l);
     }
 }
 
