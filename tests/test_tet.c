@@ -34,7 +34,7 @@ static void check_svd(const double *F) {
 }
 
 WIDE static void decompose_side_by_side(const double *const F[SVD3_LANES], svd3 d[SVD3_LANES]) {
-    svd3_of_lanes(F, d, SVD3_LANES);
+    svd3_of_lanes(F, d, 3, SVD3_LANES);
 }
 
 /* Matrices side by side have the same bits as one by one, whatever their neighbours are. */

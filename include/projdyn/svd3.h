@@ -79,9 +79,10 @@ INLINE void svd3_cross(double to[3][SVD3_LANES], double x[3][SVD3_LANES], double
     to[2][l] = x[0][l] * y[1][l] - x[1][l] * y[0][l];
 }
 
-/* Sorts the rows of `right` by falling eigenvalues A_ii; the last row makes them right-handed. */
-INLINE void svd3_sort(svd3_lanes A, svd3_lanes right, int lanes) {
-    for (int k = 0; k < 3; k++) { /* 3 exchanges sort 3 numbers */
+/* Sorts the first 2 or 3 rows of `right` by falling eigenvalues A_ii; the last row makes them
+ * right-handed. */
+INLINE void svd3_sort(svd3_lanes A, svd3_lanes right, int columns, int lanes) {
+    for (int k = 0; k < (columns == 3 ? 3 : 1); k++) { /* 3 exchanges sort 3 numbers */
         int i = k == 1 ? 1 : 0, j = i + 1;
         for (int l = 0; l < lanes; l++) {
             double a = A[i][i][l], b = A[j][j][l];
@@ -130,19 +131,21 @@ INLINE void svd3_complete(svd3_lanes F, svd3_lanes right, svd3_lanes left, doubl
 }
 
 /* Decomposes `lanes` matrices, up to SVD3_LANES, in the time of one: the same bits as svd3_of. The
- * right vectors are the eigenvectors of F' F. `lanes` is a constant, the caller WIDE (simd.h). */
-INLINE void svd3_of_lanes(const double *const F[], svd3 *d, int lanes) {
+ * right vectors are the eigenvectors of F' F. With 2 columns F has 6 numbers, s[2] is 0, and
+ * right[0] and right[1] end with 0. `columns` and `lanes` are constants, the caller is WIDE
+ * (simd.h). */
+INLINE void svd3_of_lanes(const double *const F[], svd3 *d, int columns, int lanes) {
     svd3_lanes f, A, right, left;
     double s[3][SVD3_LANES];
     for (int l = 0; l < lanes; l++)
-        for (int k = 0; k < 9; k++) f[k / 3][k % 3][l] = F[l][k];
+        for (int k = 0; k < 9; k++) f[k / 3][k % 3][l] = k < 3 * columns ? F[l][k] : 0.0;
     for (int l = 0; l < lanes; l++)
         for (int k = 0; k < 9; k++) {
             A[k / 3][k % 3][l] = svd3_dot(f[k / 3], f[k % 3], l);
             right[k / 3][k % 3][l] = k % 4 ? 0.0 : 1.0;
         }
     svd3_diagonalise(A, right, lanes);
-    svd3_sort(A, right, lanes);
+    svd3_sort(A, right, columns, lanes);
     svd3_complete(f, right, left, s, lanes);
     for (int l = 0; l < lanes; l++)
         for (int k = 0; k < 9; k++) {
@@ -155,7 +158,7 @@ INLINE void svd3_of_lanes(const double *const F[], svd3 *d, int lanes) {
 /* Decomposes F, column by column: F[3 * c + k] is entry (k, c). Needs finite entries. */
 static inline svd3 svd3_of(const double *F) {
     svd3 d;
-    svd3_of_lanes(&F, &d, 1);
+    svd3_of_lanes(&F, &d, 3, 1);
     return d;
 }
 

@@ -8,12 +8,11 @@
 /* The place of U_ij, i < j, among the numbers. */
 static int place(int i, int j, int columns) { return columns - 1 + i + j; }
 
-void strain_damper_rest(const double *stretch, const double *right, int columns, double *rest) {
+void strain_damper_rest(const svd3 *u, int columns, double *rest) {
     double U[3][3] = {{0}};
     for (int k = 0; k < columns; k++)
         for (int i = 0; i < columns; i++)
-            for (int j = 0; j < columns; j++)
-                U[i][j] += stretch[k] * right[columns * k + i] * right[columns * k + j];
+            for (int j = 0; j < columns; j++) U[i][j] += u->s[k] * u->right[k][i] * u->right[k][j];
     for (int i = 0; i < columns; i++) rest[i] = U[i][i];
     for (int j = 1; j < columns; j++)
         for (int i = 0; i < j; i++)
@@ -37,12 +36,12 @@ static double dot(const double *a, const double *b, int numbers) {
     return sum;
 }
 
-void strain_damper_tangent(const double s[3], const double *left, const double *p, int columns,
-                           double *J) {
+void strain_damper_tangent(const svd3 *product, const double *p, int columns, double *J) {
+    const double *s = product->s;
     double g[3][9];
     int n = 3 * columns;
     for (int k = 0; k < 3; k++)
-        for (int c = 0; c < columns; c++) vec3_cross(g[k] + 3 * c, left + 3 * k, p + 3 * c);
+        for (int c = 0; c < columns; c++) vec3_cross(g[k] + 3 * c, product->left[k], p + 3 * c);
     for (int k = 0; k < 3; k++) {
         double most = 0.0; /* with it in place of s_i + s_j no eigenvalue is above 1 (Gershgorin) */
         for (int l = 0; l < 3; l++) most += fabs(dot(g[k], g[l], n));

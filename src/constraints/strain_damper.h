@@ -12,18 +12,16 @@
 #include "projdyn/svd3.h"
 
 /* The numbers that describe U: its quadratic forms along the axes, then between two of them. They
- * are lengths, as core extrapolates the numbers of a damper. U = sum_i stretch_i right_i right_i',
+ * are lengths, as core extrapolates the numbers of a damper. U = sum_i s_i right_i right_i' of u,
  * `columns` of them. */
-void strain_damper_rest(const double *stretch, const double *right, int columns, double *rest);
+void strain_damper_rest(const svd3 *u, int columns, double *rest);
 
 /* product = u U. */
 void strain_damper_product(const double *u, const double *rest, int columns, double *product);
 
-/* J = dp/du, with the singular values s and the left vectors of u U, the last value of two columns
- * 0. A turn of R about left_k moves p by g_k = left_k x p, and the distance to u has the second
- * derivative s_i + s_j there: J = sum_k g_k g_k' / (s_i + s_j), less where an eigenvalue would be
- * above 1. */
-void strain_damper_tangent(const double s[3], const double *left, const double *p, int columns,
-                           double *J);
+/* J = dp/du; product: of u U. A turn of R about left_k moves p by g_k = left_k x p, and the
+ * distance to u has the second derivative s_i + s_j there: J = sum_k g_k g_k' / (s_i + s_j), less
+ * where an eigenvalue would be above 1. */
+void strain_damper_tangent(const svd3 *product, const double *p, int columns, double *J);
 
 #endif

@@ -138,7 +138,7 @@ struct decomposed {             /* some elements that follow each other */
 };
 
 WIDE static void decompose_tets(const double *const u[SVD3_LANES], svd3 d[SVD3_LANES]) {
-    svd3_of_lanes(u, d, SVD3_LANES);
+    svd3_of_lanes(u, d, 3, SVD3_LANES);
 }
 
 /* Decomposes the u, or u U of a damper (strain_damper.h), of elements from `first` on, not beyond
@@ -279,7 +279,7 @@ static void tangent(const void *par, const pdyn_batch *b, int first, int last, d
             double p[9];
             if (target_of(b, e)->damps > 0.0) {
                 project_element(par, b, e, d, p);
-                strain_damper_tangent(d->s, d->left[0], p, 3, J);
+                strain_damper_tangent(d, p, 3, J);
             } else tangent_of(par, b, e, d, J);
         }
     }
@@ -291,7 +291,7 @@ static double damping(const void *par) { return ((const struct params *)par)->da
 
 static void set_rest(const void *par, int e, const svd3 *d, struct target *target) {
     target->damps = !is_volume(par, e);
-    strain_damper_rest(d->s, d->right[0], 3, target->rest);
+    strain_damper_rest(d, 3, target->rest);
     target->least = target->most = product(d->s);
 }
 

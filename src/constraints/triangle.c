@@ -59,27 +59,23 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
         b->weight[t] = ((const struct params *)par)->stretching_stiffness;
 }
 
-/* u = sum_i stretch_i left_i right_i', the larger stretch first; left[2] is the normal of the
- * deformed triangle. The left vector of a stretch of 0 is any unit vector normal to the others. */
-struct principal {
-    double stretch[2], right[2][2], left[3][3];
-};
+WIDE static void decompose_triangles(const double *const u[SVD3_LANES], svd3 d[SVD3_LANES]) {
+    svd3_of_lanes(u, d, 2, SVD3_LANES);
+}
 
-/* From the eigenvectors of the 2 x 2 matrix u' u. */
-static struct principal principal_of(const double *u) {
-    struct principal s;
-    double xx = vec3_dot(u, u), xy = vec3_dot(u, u + 3), yy = vec3_dot(u + 3, u + 3);
-    double turn = 0.5 * atan2(2.0 * xy, xx - yy);
-    memcpy(s.right[0], (double[2]){cos(turn), sin(turn)}, sizeof s.right[0]);
-    memcpy(s.right[1], (double[2]){-sin(turn), cos(turn)}, sizeof s.right[1]);
-    for (int i = 0; i < 2; i++) {
-        for (int k = 0; k < 3; k++) s.left[i][k] = s.right[i][0] * u[k] + s.right[i][1] * u[3 + k];
-        s.stretch[i] = vec3_length(s.left[i]);
+/* Decomposes the u, or u U of a damper (strain_damper.h), of `count` triangles from `first` on. */
+static void decompose(const pdyn_batch *b, int first, int count, svd3 d[SVD3_LANES]) {
+    const double *u[SVD3_LANES];
+    double product[SVD3_LANES][6];
+    for (int l = 0; l < SVD3_LANES; l++) {
+        int t = first + (l < count ? l : 0);
+        const struct range *range = (const struct range *)b->data + t;
+        u[l] = b->u + 6 * (size_t)t;
+        if (!(range->damps > 0.0)) continue;
+        strain_damper_product(u[l], range->rest, 2, product[l]);
+        u[l] = product[l];
     }
-    if (vec3_normalise(s.left[0]) == 0.0) s.left[0][0] = 1.0;
-    svd3_make_normal(s.left[1], s.left[0], 0.0);
-    vec3_cross(s.left[2], s.left[0], s.left[1]);
-    return s;
+    decompose_triangles(u, d);
 }
 
 /* Stretch i clamped to its range. */
@@ -88,35 +84,36 @@ static double clamp(const struct range *range, int i, double stretch) {
 }
 
 /* p = sum_i stretch_i left_i right_i' */
-static void compose(const struct principal *s, const double stretch[2], double p[6]) {
+static void compose(const svd3 *d, const double stretch[2], double p[6]) {
     memset(p, 0, 6 * sizeof *p);
     for (int i = 0; i < 2; i++)
-        for (int c = 0; c < 2; c++) vec3_add(p + 3 * c, stretch[i] * s->right[i][c], s->left[i]);
+        for (int c = 0; c < 2; c++) vec3_add(p + 3 * c, stretch[i] * d->right[i][c], d->left[i]);
 }
 
-/* p of a damper. Returns the values and vectors of u U (strain_damper.h). */
-static struct principal project_damper(const struct range *range, const double *u, double p[6]) {
-    double product[6], turn[6];
-    strain_damper_product(u, range->rest, 2, product);
-    struct principal s = principal_of(product);
-    compose(&s, (double[2]){1.0, 1.0}, turn);
-    strain_damper_product(turn, range->rest, 2, p);
-    return s;
+static void project_triangle(const struct range *range, const svd3 *d, double p[6]) {
+    double stretch[2] = {1.0, 1.0}, turn[6];
+    if (range->damps > 0.0) {
+        compose(d, stretch, turn);
+        strain_damper_product(turn, range->rest, 2, p);
+        return;
+    }
+    for (int i = 0; i < 2; i++) stretch[i] = clamp(range, i, d->s[i]);
+    compose(d, stretch, p);
+}
+
+static int lanes_of(int first, int last) {
+    return last - first < SVD3_LANES ? last - first : SVD3_LANES;
 }
 
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
-    for (int t = first; t < last; t++) {
-        const struct range *range = (const struct range *)b->data + t;
-        const double *u = b->u + 6 * t;
-        if (range->damps > 0.0) {
-            project_damper(range, u, b->p + 6 * t);
-            continue;
-        }
-        struct principal s = principal_of(u);
-        double stretch[2];
-        for (int i = 0; i < 2; i++) stretch[i] = clamp(range, i, s.stretch[i]);
-        compose(&s, stretch, b->p + 6 * t);
+    svd3 d[SVD3_LANES];
+    for (; first < last; first += SVD3_LANES) {
+        int count = lanes_of(first, last);
+        const struct range *range = (const struct range *)b->data + first;
+        decompose(b, first, count, d);
+        for (int l = 0; l < count; l++)
+            project_triangle(range + l, &d[l], b->p + 6 * (size_t)(first + l));
     }
 }
 
@@ -125,7 +122,8 @@ static void project(const void *par, const pdyn_batch *b, int first, int last) {
 static void add_mode(double *J, double factor, const double *a, const double *x, double sign,
                      const double *b, const double *y) {
     double m[6];
-    factor = fmin(fmax(factor, 0.0), 1.0) / (1.0 + sign * sign);
+    if (!(factor > 0.0)) return;
+    factor = fmin(factor, 1.0) / (1.0 + sign * sign);
     for (int k = 0; k < 6; k++) m[k] = a[k % 3] * x[k / 3] + sign * b[k % 3] * y[k / 3];
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) J[6 * i + j] += factor * m[i] * m[j];
@@ -138,39 +136,36 @@ static void add_mode(double *J, double factor, const double *a, const double *x,
  *     a y' - b x'          rotation in the plane:   (p_0 + p_1) / (s_0 + s_1)
  *     a y' + b x'          shear:                   (p_0 - p_1) / (s_0 - s_1)
  *     n x', n y'           the plane tilts:         p_i / s_i */
-static void tangent_of(const struct principal *s, const struct range *range, double *J) {
-    double p[2], sum = s->stretch[0] + s->stretch[1], gap = s->stretch[0] - s->stretch[1];
-    for (int i = 0; i < 2; i++) p[i] = clamp(range, i, s->stretch[i]);
-    double free0 = p[0] == s->stretch[0], free1 = p[1] == s->stretch[1];
+static void tangent_of(const svd3 *d, const struct range *range, double *J) {
+    double p[2], sum = d->s[0] + d->s[1], gap = d->s[0] - d->s[1];
+    for (int i = 0; i < 2; i++) p[i] = clamp(range, i, d->s[i]);
+    double free0 = p[0] == d->s[0], free1 = p[1] == d->s[1];
     double apart = gap > 1e-9 * sum ? (p[0] - p[1]) / gap : fmin(free0, free1);
-    const double *a = s->left[0], *b = s->left[1], *n = s->left[2];
-    const double *x = s->right[0], *y = s->right[1];
+    const double *a = d->left[0], *b = d->left[1], *n = d->left[2];
+    const double *x = d->right[0], *y = d->right[1];
     add_mode(J, free0, a, x, 0.0, a, x), add_mode(J, free1, b, y, 0.0, b, y);
     add_mode(J, sum > 0.0 ? (p[0] + p[1]) / sum : 1.0, a, y, -1.0, b, x);
     add_mode(J, apart, a, y, 1.0, b, x);
     for (int i = 0; i < 2; i++) {
-        double along = s->stretch[i] > 0.0 ? p[i] / s->stretch[i] : 1.0;
-        add_mode(J, along, n, s->right[i], 0.0, n, s->right[i]);
+        double along = d->s[i] > 0.0 ? p[i] / d->s[i] : 1.0;
+        add_mode(J, along, n, d->right[i], 0.0, n, d->right[i]);
     }
-}
-
-static void tangent_of_damper(const struct range *range, const double *u, double *J) {
-    double p[6];
-    struct principal s = project_damper(range, u, p);
-    const double value[3] = {s.stretch[0], s.stretch[1], 0.0};
-    strain_damper_tangent(value, s.left[0], p, 2, J);
 }
 
 static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
     (void)par;
-    for (int t = first; t < last; t++, J += 36) {
-        const struct range *range = (const struct range *)b->data + t;
-        if (range->damps > 0.0) {
-            tangent_of_damper(range, b->u + 6 * t, J);
-            continue;
+    svd3 d[SVD3_LANES];
+    for (; first < last; first += SVD3_LANES) {
+        int count = lanes_of(first, last);
+        decompose(b, first, count, d);
+        for (int l = 0; l < count; l++, J += 36) {
+            const struct range *range = (const struct range *)b->data + first + l;
+            double p[6];
+            if (range->damps > 0.0) {
+                project_triangle(range, &d[l], p);
+                strain_damper_tangent(&d[l], p, 2, J);
+            } else tangent_of(&d[l], range, J);
         }
-        struct principal s = principal_of(b->u + 6 * t);
-        tangent_of(&s, range, J);
     }
 }
 
@@ -178,11 +173,18 @@ static double damping(const void *par) { return ((const struct params *)par)->da
 
 static void damping_rest(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
-    for (int t = first; t < last; t++) {
-        struct range *range = (struct range *)b->data + t;
-        struct principal s = principal_of(b->u + 6 * t);
-        range->damps = 1.0;
-        strain_damper_rest(s.stretch, s.right[0], 2, range->rest);
+    const double *u[SVD3_LANES];
+    svd3 d[SVD3_LANES];
+    for (; first < last; first += SVD3_LANES) {
+        int count = lanes_of(first, last);
+        struct range *range = (struct range *)b->data + first;
+        for (int l = 0; l < SVD3_LANES; l++)
+            u[l] = b->u + 6 * (size_t)(first + (l < count ? l : 0));
+        decompose_triangles(u, d);
+        for (int l = 0; l < count; l++) {
+            range[l].damps = 1.0;
+            strain_damper_rest(&d[l], 2, range[l].rest);
+        }
     }
 }
 
