@@ -156,8 +156,10 @@ WIDE static void apply_rows(void *arg, int first, int last, int block) {
     for (int e = first; e < last; e++)
         if (b->single) multiply_element(b, e, e, 1, c->in);
         else {
-            int r = b->view.element_row[e];
-            multiply_element(b, e, r, b->view.element_row[e + 1] - r, c->in);
+            int r = b->view.element_row[e], rows = b->view.element_row[e + 1] - r;
+            if (rows == 2) multiply_element(b, e, r, 2, c->in); /* unrolled */
+            else if (rows == 3) multiply_element(b, e, r, 3, c->in);
+            else multiply_element(b, e, r, rows, c->in);
         }
 }
 
