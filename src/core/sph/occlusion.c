@@ -17,6 +17,7 @@ static bool resize_arrays(struct occlusion *s, enum array_action action) {
         ARRAY(s->near_triangle, s->triangles),
         ARRAY(s->box, s->triangles),
         ARRAY(s->clearance, s->points),
+        ARRAY(s->nearest, s->points),
     };
     return context_arrays(s->context, table, ARRAY_ROWS(table), action);
 }
@@ -78,6 +79,7 @@ struct query {
     const double *from, *to;
     struct box box; /* region of the search */
     double nearest; /* squared distance to the nearest triangle so far, m^2 */
+    int triangle;   /* that triangle; -1: none */
     double touch;   /* m; `to` lies on a triangle whose plane is closer. Such a triangle does not
                        block, unless it is of a sheet */
     bool blocked;
@@ -87,24 +89,33 @@ static const int *corners(const struct query *q, int id) {
     return q->occlusion->corner + 3 * q->occlusion->near_triangle[id];
 }
 
-/* Visitor: updates the nearest triangle and shrinks the search to its distance. */
-static void update_nearest(void *user, int id) {
-    struct query *q = user;
-    const int *corner = corners(q, id);
+/* Updates the nearest triangle and shrinks the search to its distance. */
+static void compare_triangle(struct query *q, int triangle) {
     const double *points[4] = {q->from};
     double unused[4];
-    for (int k = 0; k < 3; k++) points[k + 1] = q->occlusion->x + 3 * (size_t)corner[k];
+    for (int k = 0; k < 3; k++)
+        points[k + 1] = q->occlusion->x + 3 * (size_t)q->occlusion->corner[3 * triangle + k];
     double squared = closest_vertex_face(points, unused);
     if (!(squared < q->nearest)) return;
-    q->nearest = squared;
+    q->nearest = squared, q->triangle = triangle;
     q->box = box_of_ball(q->from, sqrt(squared));
 }
 
+static void visit_triangle(void *user, int id) {
+    struct query *q = user;
+    compare_triangle(q, q->occlusion->near_triangle[id]);
+}
+
+/* The triangle that was the nearest one last time is compared first: it bounds the search. */
 void occlusion_compute_clearance(struct occlusion *s, int i, const double *at, double most) {
-    struct query q = {
-        .occlusion = s, .from = at, .box = box_of_ball(at, most), .nearest = most * most};
-    bvh_visit(&s->tree, &q.box, update_nearest, &q);
-    s->clearance[i] = sqrt(q.nearest);
+    struct query q = {.occlusion = s,
+                      .from = at,
+                      .box = box_of_ball(at, most),
+                      .nearest = most * most,
+                      .triangle = -1};
+    if (s->nearest[i]) compare_triangle(&q, s->nearest[i] - 1);
+    bvh_visit(&s->tree, &q.box, visit_triangle, &q);
+    s->clearance[i] = sqrt(q.nearest), s->nearest[i] = 1 + q.triangle;
 }
 
 /* ---- blocking triangles ---------------------------------------------------------------------- */

@@ -23,6 +23,7 @@ struct occlusion {
     const struct border *border; /* of the surfaces */
     double reach;                /* m, largest distance of a pair */
     double *clearance;           /* points, m: distance to the nearest triangle, at most reach */
+    int *nearest;                /* points: 1 + that triangle, 0: there was none */
 };
 
 /* Creates the state for pairs up to `reach`, m, apart. border: of the bodies, must stay valid. *out
