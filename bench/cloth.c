@@ -12,7 +12,7 @@
 #include "base/clock.h"
 #include "bench.h"
 #include "objective/assembly.h"
-#include "step/sim.h"
+#include "sim/sim.h"
 
 #include <math.h>
 #include <stdio.h>

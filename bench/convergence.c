@@ -9,7 +9,7 @@
  * Usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS [KEY=VALUE...]]] */
 #include "base/clock.h"
 #include "bench.h"
-#include "step/sim.h"
+#include "sim/sim.h"
 
 #include "projdyn/control.h"
 

@@ -8,7 +8,7 @@ import pathlib
 import re
 import sys
 
-CORE = ["base", "geometry", "scene", "sph", "rows", "contact", "objective", "step", "setup", "output"]
+CORE = ["base", "geometry", "scene", "sph", "rows", "contact", "objective", "sim", "step", "setup", "output"]
 ALLOWED = {
     "constraints": [],
     "solvers": [],

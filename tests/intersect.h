@@ -4,7 +4,7 @@
 #ifndef INTERSECT_H
 #define INTERSECT_H
 
-#include "step/sim.h"
+#include "sim/sim.h"
 
 struct soup {
     int points, triangles,

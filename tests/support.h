@@ -15,7 +15,7 @@
 
 #include "projdyn/projdyn.h"
 #include "scene_text.h"
-#include "step/sim.h"
+#include "sim/sim.h"
 
 /* Returns a copy of text with " for ', valid until the next call. */
 const char *quoted(const char *text);

@@ -2,7 +2,7 @@
  * at most a fraction of the energy that changes its form, or the scene is refused with a message.
  * With PROJDYN_EXTREMES set, prints the table of docs/results/stability.md. */
 #include "scene_support.h"
-#include "step/measure.h"
+#include "sim/measure.h"
 
 #include <string.h>
 

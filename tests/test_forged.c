@@ -6,7 +6,7 @@
 #include "support.h"
 
 #include "base/snapshot_file.h"
-#include "step/live_particles.h"
+#include "sim/live_particles.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Inlets and outlets: mass, positions and density of emitted particles, flow against resistance,
  * removal and reuse. */
-#include "step/live_particles.h"
+#include "sim/live_particles.h"
 #include "support.h"
 
 #include "projdyn/vec3.h"

@@ -1,7 +1,7 @@
 /* Inlets that move, open and shut: places and velocities of their layers against independent
  * formulas; changes by a program, saved states, failed allocations. */
 #include "control_support.h"
-#include "step/live_particles.h"
+#include "sim/live_particles.h"
 
 #define STEP 0.004 /* s */
 /* Particles without forces, of spacing 0.02 m, 3 x 3 in a layer; the stream is along x. inlet:

@@ -1,5 +1,5 @@
 /* The warning "leak": particles that pass sheets and solids. */
-#include "step/crossings.h"
+#include "sim/crossings.h"
 #include "warning_support.h"
 
 #include <string.h>

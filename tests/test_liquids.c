@@ -2,7 +2,7 @@
  * states, bits for any number of threads. */
 #include "support.h"
 
-#include "step/live_particles.h"
+#include "sim/live_particles.h"
 
 #include "projdyn/probe.h"
 #include "projdyn/vec3.h"

@@ -1,8 +1,8 @@
 /* Probes that a solid or a rigid body carries ("on"): their places, and what they measure. */
 #include "scene_support.h"
 #include "scene_text.h"
-#include "step/probe_place.h"
-#include "step/probes.h"
+#include "sim/probe_place.h"
+#include "sim/probes.h"
 
 #include "projdyn/control.h"
 #include "projdyn/probe.h"

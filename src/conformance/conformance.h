@@ -6,7 +6,7 @@
 
 #include "base/registry.h"
 #include "projdyn/conformance.h"
-#include "step/sim.h"
+#include "sim/sim.h"
 
 /* How the body of a trial is deformed: constraints of one side act in some of these states only.
  * CRUMPLED: at random, by half of the distance of the points, so that limits far from rest act. */

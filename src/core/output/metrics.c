@@ -3,7 +3,7 @@
 #include "base/clock.h"
 #include "base/sized.h"
 #include "base/text.h"
-#include "step/probes.h"
+#include "sim/probes.h"
 #include "writer.h"
 
 #include "projdyn/probe.h"

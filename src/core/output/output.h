@@ -3,7 +3,7 @@
 #define PDYN_OUTPUT_H
 
 #include "run_files.h"
-#include "step/sim.h"
+#include "sim/sim.h"
 
 #include <jansson.h>
 

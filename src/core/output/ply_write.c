@@ -2,7 +2,7 @@
  * particles, faces of surfaces. */
 #include "base/file_out.h"
 #include "output.h"
-#include "step/live_particles.h"
+#include "sim/live_particles.h"
 
 static const enum byte_order order = LITTLE_ENDIAN_BYTES;
 

@@ -4,7 +4,7 @@
 #include "output.h"
 #include "projdyn/vec3.h"
 #include "scene/json_file.h"
-#include "step/live_particles.h"
+#include "sim/live_particles.h"
 
 #include <jansson.h>
 #include <math.h>

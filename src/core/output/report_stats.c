@@ -1,7 +1,7 @@
 /* The statistics of a run over its steps, for its report. */
 #include "base/clock.h"
 #include "output.h"
-#include "step/measure.h"
+#include "sim/measure.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,10 +4,10 @@
 #include "base/bad_call.h"
 #include "contact/contact.h"
 #include "scene/fingerprint.h"
-#include "step/crossings.h"
-#include "step/forces.h"
-#include "step/live_particles.h"
-#include "step/probes.h"
+#include "sim/crossings.h"
+#include "sim/forces.h"
+#include "sim/live_particles.h"
+#include "sim/probes.h"
 
 #include <stdio.h>
 #include <string.h>

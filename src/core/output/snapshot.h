@@ -3,7 +3,7 @@
 #define PDYN_SNAPSHOT_H
 
 #include "base/snapshot_file.h"
-#include "step/sim.h"
+#include "sim/sim.h"
 
 /* Writes the state of a simulation to a file. */
 pdyn_status snapshot_write(struct pdyn_sim *sim, struct snapshot_file *snapshot);

@@ -2,7 +2,7 @@
 #include "base/file_out.h"
 #include "geometry/embedding.h"
 #include "output.h"
-#include "step/live_particles.h"
+#include "sim/live_particles.h"
 
 enum { VERTEX_CELL = 1, TRIANGLE_CELL = 5 };
 

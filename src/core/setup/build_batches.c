@@ -4,7 +4,7 @@
 #include "build.h"
 #include "contact/contact.h"
 #include "scene/json_file.h"
-#include "step/sim.h"
+#include "sim/sim.h"
 
 static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_body *body,
                              const struct scene_constraint *c, struct batch **added) {

@@ -3,7 +3,8 @@
 #include "base/param_kind.h"
 #include "build.h"
 #include "scene/derived.h"
-#include "step/sim.h"
+#include "sim/sim.h"
+#include "step/integrator.h"
 
 #include <string.h>
 

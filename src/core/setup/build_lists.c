@@ -1,10 +1,10 @@
 /* Neighbour lists of a simulation, in a scene with a constraint that works on them: the points of
  * SPH sums are particles, samples on surfaces and boundary points on solids. */
 #include "build.h"
+#include "sim/live_particles.h"
+#include "sim/sim.h"
+#include "sim/solid_points.h"
 #include "sph/boundary.h"
-#include "step/live_particles.h"
-#include "step/sim.h"
-#include "step/solid_points.h"
 #include "warn.h"
 
 #include "projdyn/kernel.h"

@@ -1,8 +1,8 @@
 /* Warnings about a body: what holds it together, its density, and what it starts inside of. */
 #include "base/param_kind.h"
 #include "geometry/mesh_query.h"
-#include "step/extent.h"
-#include "step/sim.h"
+#include "sim/extent.h"
+#include "sim/sim.h"
 #include "warn.h"
 
 #include "projdyn/vec3.h"

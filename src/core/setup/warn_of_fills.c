@@ -1,6 +1,6 @@
 /* Warnings about particles of a fluid that are too close to each other at the start: volumes of
  * `fill` that overlap. */
-#include "step/sim.h"
+#include "sim/sim.h"
 #include "warn.h"
 
 #include "projdyn/vec3.h"

@@ -2,8 +2,8 @@
 #include "base/param_kind.h"
 #include "geometry/mesh_query.h"
 #include "scene/inlet_motion.h"
-#include "step/live_particles.h"
-#include "step/sim.h"
+#include "sim/live_particles.h"
+#include "sim/sim.h"
 #include "warn.h"
 
 #include "projdyn/vec3.h"

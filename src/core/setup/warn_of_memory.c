@@ -1,7 +1,7 @@
 /* Warnings about memory: more particles than the machine has room for, and boundary points without
  * use. */
 #include "base/machine_memory.h"
-#include "step/sim.h"
+#include "sim/sim.h"
 #include "warn.h"
 
 #include "projdyn/kernel.h"

@@ -1,8 +1,8 @@
 /* Warnings about the scale of bodies and solids, and about meshes: thin triangles, oblong cells,
  * coarse tetrahedra, and edges beside the contact thickness. */
-#include "step/extent.h"
-#include "step/live_particles.h"
-#include "step/sim.h"
+#include "sim/extent.h"
+#include "sim/live_particles.h"
+#include "sim/sim.h"
 #include "warn.h"
 
 #include "projdyn/vec3.h"

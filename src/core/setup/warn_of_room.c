@@ -6,10 +6,10 @@
  *                           rest: half a spacing and boundary_farther() from it
  */
 #include "geometry/mesh_query.h"
+#include "sim/extent.h"
+#include "sim/live_particles.h"
+#include "sim/sim.h"
 #include "sph/boundary.h"
-#include "step/extent.h"
-#include "step/live_particles.h"
-#include "step/sim.h"
 #include "warn.h"
 
 /* Distance by which particles may start closer than they rest, in particle spacings. 32 kg of water

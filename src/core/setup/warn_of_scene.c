@@ -1,8 +1,8 @@
 /* Warnings about a scene: values that are legal but surely not meant: of contact, time, probes
  * and constraints. Calls the other files. */
 #include "contact/contact.h"
-#include "step/extent.h"
-#include "step/sim.h"
+#include "sim/extent.h"
+#include "sim/sim.h"
 #include "step/timestep.h"
 #include "step/warn_of_step.h"
 #include "warn.h"

@@ -1,7 +1,7 @@
 /* Warnings about values outside of the range that occurs in practice: slips of units and signs. */
 #include "base/param_kind.h"
-#include "step/extent.h"
-#include "step/sim.h"
+#include "sim/extent.h"
+#include "sim/sim.h"
 #include "warn.h"
 
 #include "projdyn/path.h"

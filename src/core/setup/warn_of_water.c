@@ -1,9 +1,9 @@
 /* Warnings about surfaces in a fluid: meshes that it does not see well, bodies that do not sink. */
 #include "geometry/bvh.h"
+#include "sim/extent.h"
+#include "sim/live_particles.h"
+#include "sim/sim.h"
 #include "sph/boundary.h"
-#include "step/extent.h"
-#include "step/live_particles.h"
-#include "step/sim.h"
 #include "warn.h"
 
 #include "projdyn/vec3.h"

@@ -2,7 +2,7 @@
 #ifndef PDYN_APPLIED_FORCE_H
 #define PDYN_APPLIED_FORCE_H
 
-#include "sim.h"
+#include "sim/sim.h"
 
 /* Component k, of 3 for each particle, of the acceleration g + f/m, m/s^2. */
 static inline double applied_acceleration(const struct pdyn_sim *sim, int k) {

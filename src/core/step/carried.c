@@ -1,7 +1,7 @@
 #include "carried.h"
 
-#include "live_particles.h"
-#include "sim.h"
+#include "sim/live_particles.h"
+#include "sim/sim.h"
 
 #include "projdyn/kernel.h"
 #include "projdyn/vec3.h"

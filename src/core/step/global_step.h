@@ -2,7 +2,7 @@
 #ifndef PDYN_GLOBAL_STEP_H
 #define PDYN_GLOBAL_STEP_H
 
-#include "sim.h"
+#include "sim/sim.h"
 
 /* Linearises E at the iterate of the last local step, with a damping eps, and minimises the model
  * as accurately as the scene's settings say. sim->direction: the displacement to the minimum;

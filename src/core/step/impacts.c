@@ -1,7 +1,7 @@
 /* Impacts with bdf2 (docs/theory/time-integration.md#impacts). */
 #include "impacts.h"
 
-#include "rigid_bodies.h"
+#include "sim/rigid_bodies.h"
 
 #include "base/groups.h"
 #include "projdyn/vec3.h"

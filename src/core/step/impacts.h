@@ -6,7 +6,7 @@
 #ifndef PDYN_IMPACTS_H
 #define PDYN_IMPACTS_H
 
-#include "sim.h"
+#include "sim/sim.h"
 
 /* Call after a step of length h, s, with its velocities known. Corrects velocities and those of the
  * step before, reduces the impacts on solids to the part that velocities received, and sets

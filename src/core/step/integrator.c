@@ -2,7 +2,7 @@
 #include "integrator.h"
 
 #include "scene/choices.h"
-#include "sim.h"
+#include "sim/sim.h"
 
 #include <string.h>
 
@@ -35,15 +35,13 @@ static double begin_bdf2(struct pdyn_sim *sim, double h) {
     return h * (1.0 + w) / (1.0 + 2.0 * w);
 }
 
-void integrator_forget(struct pdyn_sim *sim) {
-    sim->history = 0.0;
-    solver_choice_reject(sim);
-    if (sim->scene.settings.newton) sim->eps = 1.0;
-}
-
 static const struct integrator integrators[] = {
     {"bdf2", "second order; one implicit step from two states", begin_bdf2, true},
     {"euler", "first order; implicit, as published", begin_euler, false},
 };
 const struct choices integrator_choices = {integrators, sizeof *integrators,
                                            sizeof integrators / sizeof *integrators};
+
+const char *pdyn_integrator(const pdyn_sim *sim) {
+    return sim ? sim->scene.settings.integrator->name : "";
+}

@@ -25,8 +25,4 @@ struct integrator {
     bool history; /* needs sim->x_before and sim->v_before */
 };
 
-/* The next step begins from the state alone: without history, with solvers that keep nothing of
- * earlier steps, and with eps = 1, the largest damping, if it is a newton step. */
-void integrator_forget(struct pdyn_sim *sim);
-
 #endif

@@ -3,7 +3,7 @@
 #ifndef PDYN_ITERATE_H
 #define PDYN_ITERATE_H
 
-#include "sim.h"
+#include "sim/sim.h"
 
 /* Sets sim->max_step for displacements from x. */
 pdyn_status iterate_update_limits(struct pdyn_sim *sim, const double *x);

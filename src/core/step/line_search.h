@@ -2,7 +2,7 @@
 #ifndef PDYN_LINE_SEARCH_H
 #define PDYN_LINE_SEARCH_H
 
-#include "sim.h"
+#include "sim/sim.h"
 
 struct line_step {             /* a step along the direction */
     double length;             /* in directions, at most 4; 0: no step was accepted */

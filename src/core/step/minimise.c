@@ -8,8 +8,8 @@
 #include "global_step.h"
 #include "iterate.h"
 #include "line_search.h"
-#include "measure.h"
 #include "objective/residual.h"
+#include "sim/measure.h"
 #include "start_point.h"
 
 #include <math.h>

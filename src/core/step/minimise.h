@@ -2,7 +2,7 @@
 #ifndef PDYN_MINIMISE_H
 #define PDYN_MINIMISE_H
 
-#include "sim.h"
+#include "sim/sim.h"
 
 struct progress {
     double energy;        /* J, at the iterate */

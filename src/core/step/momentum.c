@@ -1,6 +1,6 @@
 #include "momentum.h"
 
-#include "live_particles.h"
+#include "sim/live_particles.h"
 
 void momentum_subtract(const struct pdyn_sim *sim, const double sum[3], double *vector) {
     if (sim->anchored) return;

@@ -2,7 +2,7 @@
 #ifndef PDYN_MOMENTUM_H
 #define PDYN_MOMENTUM_H
 
-#include "sim.h"
+#include "sim/sim.h"
 
 /* Subtracts `sum` over the mass of all live particles from the vector of each of them: from x a sum
  * in kg m, from v one in N s. Where a constraint is anchored, it does nothing. */

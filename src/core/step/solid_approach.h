@@ -5,7 +5,7 @@
 #ifndef PDYN_SOLID_APPROACH_H
 #define PDYN_SOLID_APPROACH_H
 
-#include "sim.h"
+#include "sim/sim.h"
 
 /* Returns the longest step, s, at most h, in which no solid approaches a vertex that it may reach
  * by more than twice the contact thickness. Without contact and moving solids: h. */

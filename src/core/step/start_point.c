@@ -4,7 +4,7 @@
 
 #include "carried.h"
 #include "iterate.h"
-#include "live_particles.h"
+#include "sim/live_particles.h"
 #include "stop_paths.h"
 
 #include <math.h>

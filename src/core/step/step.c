@@ -15,16 +15,17 @@
 #include "base/sized.h"
 #include "carried.h"
 #include "contact/contact.h"
-#include "crossings.h"
-#include "forces.h"
-#include "live_particles.h"
-#include "measure.h"
+#include "integrator.h"
 #include "minimise.h"
 #include "momentum.h"
-#include "probes.h"
-#include "rigid_bodies.h"
-#include "schedule.h"
-#include "sim.h"
+#include "sim/crossings.h"
+#include "sim/forces.h"
+#include "sim/live_particles.h"
+#include "sim/measure.h"
+#include "sim/probes.h"
+#include "sim/rigid_bodies.h"
+#include "sim/schedule.h"
+#include "sim/sim.h"
 #include "timestep.h"
 #include "velocities.h"
 #include "warn_of_step.h"
@@ -198,7 +199,7 @@ static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *e
     while (retries->count < sim->scene.settings.retries &&
            note_why(sim, end, status, progress->residual, retries)) {
         if ((status = take_back(sim)) != PDYN_OK) break;
-        integrator_forget(sim);
+        sim_forget_steps(sim);
         *end =
             end->given ? timestep_given(sim, 0.25 * end->h) : timestep_choose(sim, 0.25 * end->h);
         status = attempt(sim, end, progress);

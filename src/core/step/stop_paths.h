@@ -2,7 +2,7 @@
 #ifndef PDYN_STOP_PATHS_H
 #define PDYN_STOP_PATHS_H
 
-#include "sim.h"
+#include "sim/sim.h"
 
 enum paths {
     PATHS_TO_START,     /* from set_path_starts to positions, while solids move to their goals */

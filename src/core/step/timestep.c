@@ -1,9 +1,9 @@
 /* Choice of the step length, and warnings about steps that are too long. */
 #include "timestep.h"
 
-#include "extent.h"
-#include "inlets.h"
-#include "live_particles.h"
+#include "sim/extent.h"
+#include "sim/inlets.h"
+#include "sim/live_particles.h"
 #include "solid_approach.h"
 
 #include "projdyn/vec3.h"

@@ -3,7 +3,7 @@
 #ifndef PDYN_TIMESTEP_H
 #define PDYN_TIMESTEP_H
 
-#include "sim.h"
+#include "sim/sim.h"
 
 struct step_end {   /* end of the coming step */
     double h, time; /* s: length of the step; time at its end, exact at a frame */

@@ -4,9 +4,9 @@
 #include "applied_force.h"
 #include "carried.h"
 #include "impacts.h"
-#include "live_particles.h"
 #include "momentum.h"
-#include "rigid_bodies.h"
+#include "sim/live_particles.h"
+#include "sim/rigid_bodies.h"
 
 #include "projdyn/vec3.h"
 

@@ -2,7 +2,7 @@
 #ifndef PDYN_VELOCITIES_H
 #define PDYN_VELOCITIES_H
 
-#include "sim.h"
+#include "sim/sim.h"
 
 /* *rise: by how much the energy of the constraints, J, is higher at the end of the step than at its
  * beginning, if the step is so far from solved that velocities_update needs it; 0 otherwise. The

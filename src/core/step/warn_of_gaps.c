@@ -5,8 +5,8 @@
  *       o   o   o   o      gap < spacing: the particles are compressed, and load both surfaces
  *     ===== solid =====    with a force that no water has
  */
-#include "live_particles.h"
-#include "sim.h"
+#include "sim/live_particles.h"
+#include "sim/sim.h"
 #include "sph/surface_samples.h"
 #include "warn_of_step.h"
 

@@ -1,7 +1,7 @@
 /* The warning about a type of a plug-in that lacks PDYN_ANCHORED: its forces do not sum to zero,
  * and momentum_restore takes away what they do to the momentum. */
 #include "base/registry.h"
-#include "live_particles.h"
+#include "sim/live_particles.h"
 #include "warn_of_step.h"
 
 #include "projdyn/vec3.h"

@@ -2,10 +2,10 @@
 #include "warn_of_step.h"
 
 #include "contact/contact.h"
-#include "crossings.h"
-#include "energy_budget.h"
-#include "extent.h"
-#include "live_particles.h"
+#include "sim/crossings.h"
+#include "sim/energy_budget.h"
+#include "sim/extent.h"
+#include "sim/live_particles.h"
 
 #include "projdyn/vec3.h"
 

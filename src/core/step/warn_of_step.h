@@ -2,7 +2,7 @@
 #ifndef PDYN_WARN_OF_STEP_H
 #define PDYN_WARN_OF_STEP_H
 
-#include "sim.h"
+#include "sim/sim.h"
 
 /* Raises warnings about the step that was just accepted. why_repeated: the fault of the last
  * attempt at it that was taken back; "" without one. */

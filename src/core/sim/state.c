@@ -19,9 +19,6 @@ const char *pdyn_solver_type(const pdyn_sim *sim) {
 const char *pdyn_solver_reason(const pdyn_sim *sim) {
     return sim && sim->choice.reason ? sim->choice.reason : "";
 }
-const char *pdyn_integrator(const pdyn_sim *sim) {
-    return sim ? sim->scene.settings.integrator->name : "";
-}
 double pdyn_contact_stiffness(const pdyn_sim *sim) {
     return sim && sim->scene.has_contact ? sim->scene.contact.stiffness : 0.0;
 }

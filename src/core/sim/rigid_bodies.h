@@ -7,10 +7,10 @@
  *     s       R = F(h_e; R^, L^)
  *     end     L_(n+1) = L^ + h_e T,           T: moment of the forces of constraints
  *
- * with c and h_e of integrator.h, the length h_b of the step before, the free rotation F(t; R, L)
- * of a body with constant L over the time t, and e, the rotation from F(h_b; R_(n-1), L_(n-1)) to
- * R_n; exp is the identity where its angle exceeds 0.1 rad. Without a moment L is constant and the
- * rotation is F, whatever the step length. */
+ * with c and h_e of step/integrator.h, the length h_b of the step before, the free rotation F(t; R,
+ * L) of a body with constant L over the time t, and e, the rotation from F(h_b; R_(n-1), L_(n-1))
+ * to R_n; exp is the identity where its angle exceeds 0.1 rad. Without a moment L is constant and
+ * the rotation is F, whatever the step length. */
 #ifndef PDYN_RIGID_BODIES_H
 #define PDYN_RIGID_BODIES_H
 

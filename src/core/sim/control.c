@@ -144,7 +144,7 @@ void pdyn_get_gravity(const pdyn_sim *sim, double gravity[3]) {
 static void forget_last_step(struct pdyn_sim *sim) {
     sim->control.driven = true;
     forces_forget(sim);
-    integrator_forget(sim);
+    sim_forget_steps(sim);
 }
 
 static void copy_live(const struct pdyn_sim *sim, int first, int count, const double *from,

@@ -10,7 +10,6 @@
 #include "energy_budget.h"
 #include "geometry/mesh.h"
 #include "geometry/sampling.h"
-#include "integrator.h"
 #include "kinematic_solids.h"
 #include "objective/objective.h"
 #include "objective/solver_view.h"
@@ -55,7 +54,7 @@ struct pdyn_sim {
     bool anchored; /* a constraint can change the momentum of the system */
 
     /* A step: from the base to the prediction, and from there to the last iterate. */
-    double *x_base, *v_base; /* particles x 3: base of the step (integrator.h), m and m/s */
+    double *x_base, *v_base; /* particles x 3: base of the step (step/integrator.h), m and m/s */
     double *x_next;          /* particles x 3: the iterate, m */
     double *gradient;        /* particles x 3: gradient of E at the iterate, N */
     double *max_step; /* particles, then samples, m: largest displacement of an iterate; NULL:
@@ -140,6 +139,14 @@ static inline double sim_behind_faces(const struct pdyn_sim *sim) {
 
 static inline bool sim_has_constraint(const struct pdyn_sim *sim, int constraint) {
     return sim && constraint >= 0 && constraint < sim->constraints;
+}
+
+/* The next step begins from the state alone: without history, with solvers that keep nothing of
+ * earlier steps, and with eps = 1, the largest damping, if it is a newton step. */
+static inline void sim_forget_steps(struct pdyn_sim *sim) {
+    sim->history = 0.0;
+    solver_choice_reject(sim);
+    if (sim->scene.settings.newton) sim->eps = 1.0;
 }
 
 /* Counts a warning at the current time (warnings_count); returns it for warnings_say. */
