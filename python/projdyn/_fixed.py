@@ -3,7 +3,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ._unique import Unique
+
+
+class Vector(property):
+    """A property of numbers that is read as an array, and that any numbers can be assigned to. mypy
+    expects one type for both of an ordinary property."""
+
+    if TYPE_CHECKING:
+        def __get__(self, instance: Any, owner: Any = None) -> np.ndarray: ...
+        def __set__(self, instance: Any, value: Any) -> None: ...
 
 
 class Fixed(Unique):
@@ -26,7 +37,7 @@ class Fixed(Unique):
         """How to change the object instead."""
         setters = ", ".join(word for word in dir(self) if word.startswith("set_"))
         if hasattr(type(self), "__setitem__"):
-            return f'parameters are items: ["{name}"] = ...'
+            return f'parameters are items: ["{name}"]'
         return "methods make changes" + (setters and f", such as {setters}")
 
     def _hint(self, name: str) -> str:
@@ -34,6 +45,8 @@ class Fixed(Unique):
 
     if not TYPE_CHECKING:  # for which every name would be an attribute
         def __getattr__(self, name: str) -> Any:
+            if hasattr(type(self), "__setitem__") and not name.startswith("_"):
+                raise AttributeError(f"{self!r} has no attribute {name}: {self._way(name)}")
             if name in self._instead:
                 raise AttributeError(f"{self!r} has no {name}: {self._hint(name)}")
             return object.__getattribute__(self, name)  # the usual AttributeError

@@ -53,11 +53,17 @@ class Constraint(Fixed):
                     for info in listed(ParameterInfo, lib.pdyn_get_parameter_sized,
                                        self._handle.pointer, self._index)}
 
+    def keys(self) -> list[str]:
+        """The names of the parameters; dict(constraint) has their values, too."""
+        return list(self._items())
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
     def __getitem__(self, name: str) -> Any:
         """A parameter: a number; an array of three for a vector; n x 4 for the keys of a path; the
         rows of a table, rows x width, or an array of n for rows of one number."""
-        values: dict[str, Any] = {key: parameter.value for key, parameter in self.parameters.items()}
-        values.update(self._vectors())
+        values = self._items()
         if name not in values:
             raise KeyError(f"{name}: {self!r} has {', '.join(values)}")
         return values[name]
@@ -113,6 +119,11 @@ class Constraint(Fixed):
         """Distance |G x - p| of each element: of a spring the change of its length, m; of a
         triangle or tetrahedron the norm of its strain."""
         return self._values()[1]
+
+    def _items(self) -> dict[str, Any]:
+        """All parameters by their names."""
+        return {**{name: parameter.value for name, parameter in self.parameters.items()},
+                **self._vectors()}
 
     def _vectors(self) -> dict[str, np.ndarray]:
         """Copies of the vectors, paths and tables, by their names."""

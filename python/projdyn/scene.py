@@ -4,6 +4,7 @@ from __future__ import annotations
 import difflib
 import hashlib
 import json
+import reprlib
 from ctypes import c_char_p
 from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence, Union
 
@@ -190,7 +191,8 @@ class Scene(Unique):
                               constraints, arrays)
 
     def add_fluid(self, positions: Any = None, *, radius: float, velocities: Any = None,
-                  box: Optional[Box] = None, fill: Sequence[dict[str, Any]] = (),
+                  box: Optional[Box] = None, vertices: Any = None, triangles: Any = None,
+                  mesh: Optional[Path] = None, fill: Sequence[dict[str, Any]] = (),
                   name: Optional[str] = None, velocity: Any = None, color: Optional[str] = None,
                   rest_density: Optional[float] = None, inlets: Any = None,
                   budget: Optional[int] = None, overlap: Optional[str] = None,
@@ -198,9 +200,10 @@ class Scene(Unique):
         """Adds a body of particles and returns its name.
 
         positions: n x 3, m, of particles, with velocities: n x 3, m/s, or at rest; and a box to
-        fill: (minimum, maximum), m; and further entries of fill as in a scene file. radius: m, of
-        a particle; a particle has the mass of a cube of two radii. constraints: as add_cloth, for
-        example fluid={"compression": 0.001}.
+        fill: (minimum, maximum), m; and a closed mesh to fill: vertices: n x 3, m, and triangles:
+        m x 3, indices from 0, or mesh, the path of a file; and further entries of fill as in a
+        scene file. radius: m, of a particle; a particle has the mass of a cube of two radii.
+        constraints: as add_cloth, for example fluid={"compression": 0.001}.
         """
         name = self._name(name, "bodies", "body")
         if not isinstance(fill, (list, tuple)):
@@ -208,12 +211,14 @@ class Scene(Unique):
         if positions is None and velocities is not None:
             raise InputError("velocities: expected them with positions; velocity is that of all particles")
         arrays = None if positions is None else _particles(name, positions, velocities)
+        volume, mesh = _shape(_mesh, name, vertices, triangles, mesh)
         fill = [*fill, *([{"file": arrays.file}] if arrays else []),
-                *([{"box": _box(box)}] if box is not None else [])]
+                *([{"box": _box(box)}] if box is not None else []),
+                *([{"mesh": mesh}] if mesh is not None else [])]
         particles = _given(radius=radius, rest_density=rest_density, fill=fill or None,
                            inlets=inlets, budget=budget, overlap=overlap)
         return self._add_body(name, "particles", particles, _given(velocity=velocity, color=color),
-                              constraints, arrays)
+                              constraints, arrays, volume)
 
     def add_solid(self, vertices: Any = None, triangles: Any = None, *,
                   name: Optional[str] = None, box: Optional[Box] = None,
@@ -253,18 +258,18 @@ class Scene(Unique):
                          + f"; known: {', '.join(known) or 'none'}")
 
     def _add_body(self, name: str, form: str, shape: dict[str, Any], others: dict[str, Any],
-                  constraints: dict[str, Constraints], arrays: Optional[_Arrays]) -> str:
+                  constraints: dict[str, Constraints], *arrays: Optional[_Arrays]) -> str:
         parts = [{"type": kind, **part} for kind, given in constraints.items()
                  for part in _parts(kind, given)]
-        self._append("bodies", _given(name=name, **others, **{form: shape}, constraints=parts), arrays)
+        self._append("bodies", _given(name=name, **others, **{form: shape}, constraints=parts), *arrays)
         return name
 
-    def _append(self, key: str, entry: dict[str, Any], arrays: Optional[_Arrays]) -> None:
-        """Adds an element and its arrays, or nothing if one of both is not valid."""
+    def _append(self, key: str, entry: dict[str, Any], *arrays: Optional[_Arrays]) -> None:
+        """Adds an element and its arrays, or nothing if one of them is not valid."""
         path = f"{key}.{len(self.to_dict().get(key, []))}"
         value = json_text(path, entry)
-        if arrays:
-            self._handle.call(arrays.function, arrays.file.encode(), *arrays.arguments)
+        for given in filter(None, arrays):
+            self._handle.call(given.function, given.file.encode(), *given.arguments)
         self._set(path, value)
 
     def _name(self, name: Optional[str], key: str, word: str) -> str:
@@ -376,7 +381,7 @@ def _parts(kind: str, given: Constraints) -> Sequence[dict[str, Any]]:
     parts = [given] if isinstance(given, dict) else given
     if not isinstance(parts, (list, tuple)) or not all(isinstance(part, dict) for part in parts):
         raise InputError(f"{kind}: expected the parameters of a constraint as a dictionary, or a "
-                         f"list of these, found {given!r}")
+                         f"list of these, found {reprlib.repr(given)}")
     return parts
 
 

@@ -10,7 +10,7 @@ from typing import Any, Iterator, Optional, Union
 import numpy as np
 
 from ._arrays import address, doubles, number, view
-from ._fixed import Fixed
+from ._fixed import Fixed, Vector
 from ._handles import Handle, listed
 from ._library import lib
 from ._names import Names
@@ -47,6 +47,9 @@ class Simulation(Fixed):
                     second is ["sheet", "pin", 1], the third ["sheet", "pin", 2]
     solids          Solid by name
     """
+
+    _instead = {"reset": "restore(start) goes back to a state that state() or save() gave",
+                "positions": "x has those of all particles", "velocities": "v has those of all particles"}
 
     def __init__(self, handle: Handle) -> None:
         if not isinstance(handle, Handle):
@@ -140,18 +143,18 @@ class Simulation(Fixed):
 
     # ---- state ----------------------------------------------------------------------------------
 
-    @property
-    def gravity(self) -> np.ndarray:
-        """Acceleration of all bodies, three numbers, m/s^2. Assign an array to change it."""
+    def _get_gravity(self) -> np.ndarray:
+        """Acceleration of all bodies, three numbers, m/s^2. Assign three numbers to change it."""
         gravity = np.empty(3)
         with self._handle.lock:
             lib.pdyn_get_gravity(self._handle.pointer, address(gravity))
         gravity.flags.writeable = False
         return gravity
 
-    @gravity.setter
-    def gravity(self, gravity: Any) -> None:
+    def _set_gravity(self, gravity: Any) -> None:
         self._handle.call(lib.pdyn_set_gravity, address(doubles(gravity, (3,), "gravity")))
+
+    gravity = Vector(_get_gravity, _set_gravity)
 
     @property
     def hash(self) -> int:

@@ -38,6 +38,9 @@ class Writer(Unique):
         self._start, self._is_used = lib.pdyn_time(handle.pointer), False
         self._last, self._written = last, self._start
 
+    def __repr__(self) -> str:
+        return f"<writer of the run in {self.directory}>"
+
     def step(self, info: StepInfo) -> None:
         """Writes the row of the last step in metrics.csv, and a frame if the step reached one."""
         if not isinstance(info, StepInfo):

@@ -212,6 +212,10 @@ class Control(unittest.TestCase):
         with self.assertRaises(projdyn.InputError):
             spring["stretching_stiffness"] = -1
         self.assertEqual(spring["stretching_stiffness"], 500)
+        with self.assertRaisesRegex(AttributeError, 'items: \\["stretching_stiffness"\\]'):
+            spring.stretching_stiffness
+        self.assertEqual(dict(spring), {"stretching_stiffness": 500, "damping": 0})
+        self.assertEqual(list(spring), ["stretching_stiffness", "damping"])
 
     def test_plugins_without_permission(self):
         scene = projdyn.Scene(threads=1, plugins=[os.environ["PROJDYN_MUSCLE"]])

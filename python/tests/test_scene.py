@@ -119,6 +119,20 @@ class Scenes(unittest.TestCase):
                                       [[7, 0, 0], [8, 0, 0], [7, 1, 0], [7, 0, 2], [8, 1, 2]])
         np.testing.assert_array_equal(sim.bodies["stone"].v, np.tile([0, 1, 0], (4, 1)))
 
+    def test_water_fills_a_mesh_of_arrays(self):
+        crate = projdyn.Scene(threads=1)
+        crate.add_rigid(box=([0, 0, 0], [0.2, 0.3, 0.4]), density=500, name="crate")
+        corners = crate.load().bodies["crate"]
+        scene = projdyn.Scene("pool", threads=1)
+        scene.add_fluid([[5, 0, 0]], vertices=corners.x, triangles=corners.triangles, radius=0.02,
+                        name="water", fluid={"compression": 0.01})
+        water = scene.load().bodies["water"]
+        self.assertEqual((len(water), water.x[0, 0]), (1 + 5 * 7 * 10, 5))
+        self.assertTrue((corners.x.min(axis=0) < water.x[1:]).all() and (water.x[1:] < corners.x.max(axis=0)).all())
+        with tempfile.TemporaryDirectory() as folder:
+            scene.write(pathlib.Path(folder, "pool.json"))
+            self.assertEqual(len(projdyn.load(pathlib.Path(folder, "pool.json")).bodies["water"]), len(water))
+
     def test_colours(self):
         scene = projdyn.Scene(threads=1)
         scene.add_cloth(grid={"size": [1, 1], "vertices": [2, 2]}, area_density=1, color="#ff0000")
@@ -216,6 +230,8 @@ class Mistakes(unittest.TestCase):
         self.fails("box: expected the shape 2 x 3", scene.add_fluid, box=[1, 2], radius=0.1)
         self.fails("spring: expected the parameters", scene.add_cloth, vertices, triangles,
                    area_density=1, spring=3)
+        self.fails("^fluit: expected the parameters .{,120}$", scene.add_fluid, vertices, radius=0.1,
+                   fluit=list(range(1000)))
         self.fails("mesh: expected a file or vertices", scene.add_cloth, vertices, triangles, area_density=1,
                    mesh="a.obj")
         self.fails("velocities: expected them with positions", scene.add_fluid, box=[[0] * 3, [1] * 3], radius=0.1,

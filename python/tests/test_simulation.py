@@ -33,6 +33,12 @@ class Steps(unittest.TestCase):
         self.assertLess(abs(infos[0].momentum[0]), 1e-9)
         self.assertIn("step to 0.01 s", repr(infos[0]))
 
+    def test_a_step_as_a_dictionary(self):
+        info = hanging_sheet().load().step()
+        row = info.to_dict()
+        self.assertEqual((row["time"], row["momentum"]), (info.time, info.momentum))
+        self.assertIn("ms_cpu", row)
+
     def test_run_without_a_loop(self):
         sim = hanging_sheet(duration=0.1, frame_interval=0.01, time_step={"fixed": 0.01}).load()
         with self.assertWarnsRegex(RuntimeWarning, "for info in sim.run") as caught:
@@ -156,6 +162,10 @@ class Views(unittest.TestCase):
         with self.assertRaisesRegex(KeyError, "'tank': the simulation has none"):
             sim.solids["tank"]
         self.assertIsNone(sim.bodies.get("shet"))
+        with self.assertRaisesRegex(AttributeError, 'sheet: parts are items'):
+            sim.bodies.sheet
+        with self.assertRaisesRegex(AttributeError, "reset: restore"):
+            sim.reset()
 
     def test_views_follow_the_steps(self):
         sim = hanging_sheet().load()
