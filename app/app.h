@@ -63,8 +63,8 @@ int report_write_error(const char *path);
  * paragraph of its usage; returns EXIT_BAD_INPUT. */
 int report_usage(char **argv, const char *expected, const char *usage);
 
-/* A path as a word of a command line that a message suggests: in quotes where the shell needs them,
- * shortened beyond the size. */
+/* A path or an override as a word of a command line that a message suggests: in quotes where the
+ * shell needs them, shortened beyond the size. */
 struct shell_word {
     char text[4104];
 };

@@ -50,6 +50,8 @@ static const char *status_name(int status) {
 
 /* Why a job failed: the signal, or its last message; "" for a good one. The caller frees it. */
 static char *error_of(const char *directory, int status) {
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) /* kill_over_limit() in jobs.c */
+        return strdup("at the limit of its processor time");
     if (WIFSIGNALED(status)) return strdup(strsignal(WTERMSIG(status)));
     return WEXITSTATUS(status) == EXIT_GOOD ? strdup("") : last_error(directory);
 }
@@ -173,9 +175,9 @@ double job_result_ms_per_second(const json_t *result) {
 void job_result_print(const char *directory, const struct job *job) {
     json_t *result = job_result_read(directory);
     const char *error = json_string_value(json_object_get(result, "error"));
-    printf("%s, %.1f s of processor time:", json_string_value(json_object_get(result, "status")),
+    printf("%s, %.1f s of processor time", json_string_value(json_object_get(result, "status")),
            json_number_value(json_object_get(result, "cpu_s")));
-    for (int k = 0; k < job->sets; k++) printf(" %s", job->set[k]);
+    for (int k = 0; k < job->sets; k++) printf("%s%s", k ? " " : ": ", job->set[k]);
     printf("%s%s\n", error && *error ? ": " : "", error ? error : "");
     json_decref(result);
 }

@@ -6,6 +6,7 @@ import csv
 import json
 import pathlib
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -111,6 +112,11 @@ class Trade(unittest.TestCase):
     def test_many(self):
         self.assertGreater(len(self.rows), 30)
         self.assertGreaterEqual(sum(row["on_front"] == "1" for row in self.rows), 2)
+
+    def test_prints_the_scene_itself(self):
+        """How accurate is my run: in the table, also where other settings are better."""
+        scene = next(row for row in self.rows if row["name"] == "scene unchanged")
+        self.assertIn("scene unchanged" + " (not on the front)" * (scene["on_front"] == "0") + "\n", self.said)
 
     def test_measures(self):
         reference = [path for path in runs().items() if "tolerance=0.01 " in path[0]]
@@ -255,7 +261,7 @@ class TradeReplica(unittest.TestCase):
     def test_is_coarser(self):
         self.assertIn("coarse replica of the scene", self.said)
         for override in ["bodies.1.surface.grid.vertices=[7, 7]", "time_step.cfl=0.8"]:
-            self.assertIn("--set " + override, self.said)
+            self.assertIn(f"--set {shlex.quote(override)}\n", self.said)
             self.assertTrue(all(override in s for s in self.coarse))
         scene = json.loads(pathlib.Path(SCENE).read_text())
         fluid = next(c for c in scene["bodies"][0]["constraints"] if c["type"] == "fluid")

@@ -52,7 +52,7 @@ static void print_row(const struct trial_table *table, const struct trial *t, FI
     fprintf(file, " %9.4f%c", 100.0 * t->error[table->metric],
             t->error[table->metric] < 2.0 * table->reference_error[table->metric] ? '~' : ' ');
     for (int m = 0; m < RUN_METRICS_COUNT; m++) fprintf(file, " %8.4f", 100.0 * t->error[m]);
-    fprintf(file, "  %s\n", t->setting->name);
+    fprintf(file, "  %s%s\n", t->setting->name, t->pareto ? "" : " (not on the front)");
 }
 
 void pareto_print(const struct trial_table *table, FILE *file) {
@@ -61,7 +61,7 @@ void pareto_print(const struct trial_table *table, FILE *file) {
     for (int m = 0; m < RUN_METRICS_COUNT; m++) fprintf(file, " %8s", run_metric_names[m]);
     fprintf(file, "  settings\n");
     for (int k = 0; sorted && sorted[k]; k++)
-        if (sorted[k]->pareto) print_row(table, sorted[k], file);
+        if (sorted[k]->pareto || sorted[k] == table->trial) print_row(table, sorted[k], file);
     fprintf(file, "Estimated error of the reference (%s), in %%:", table->reference);
     for (int m = 0; m < RUN_METRICS_COUNT; m++)
         fprintf(file, " %s %.4f%s", run_metric_names[m], 100.0 * table->reference_error[m],

@@ -4,6 +4,7 @@
  * replica. */
 #include "recommendation.h"
 #include "calibration.h"
+#include "replica.h"
 #include "scene_json.h"
 
 #include <math.h>
@@ -12,10 +13,6 @@
 #include <string.h>
 
 enum { MAX_SCENE_RUNS = 3 }; /* settings that are run on the scene itself */
-
-/* Expected ratio of processor times, scene to replica: coarsening^4. Three powers for the number
- * of particles, one for the iterations: information travels one spacing per linear iteration. */
-static const double cost_exponent = 4.0;
 
 /* ---- time on the scene itself ---------------------------------------------------------------- */
 
@@ -206,7 +203,8 @@ static void print_recommendation(const struct study *s, const struct trial *best
     printf("\nRecommended: %s\n  %.4g ms a frame (%.4g s per simulated second), error %.4f %%\n ",
            best->setting->name, ms, 1e-3 * ms * s->table.frames_per_second,
            100.0 * best->error[s->table.metric]);
-    for (int k = 0; k < best->setting->sets; k++) printf(" --set %s", best->setting->set[k]);
+    for (int k = 0; k < best->setting->sets; k++)
+        printf(" --set %s", shell_word(best->setting->set[k]).text);
     putchar('\n');
     if (time->simulated > 0.0)
         printf(
@@ -229,7 +227,7 @@ static int report_unreached(const struct study *s, double ratio) {
 
 int recommend(const struct study *s, const struct target *target) {
     const struct trial *best = NULL;
-    double ratio = s->scope.replica.sets ? pow(s->scope.coarsening, cost_exponent) : 1.0;
+    double ratio = s->scope.replica.sets ? pow(s->scope.coarsening, REPLICA_COST_EXPONENT) : 1.0;
     struct scene_time *time = calloc((size_t)s->table.count, sizeof *time);
     fflush(stdout);
     int code = time ? choose(s, target, time, &ratio, &best) : report_no_memory();

@@ -32,13 +32,13 @@ static bool is_loadable(const struct scene_options *scene) {
 
 /* Finds the finest replica that runs to its end within the budget, with a factor of at most 3;
  * if even that one does not, its time window is shortened. The first factor follows from the
- * window of the scene and time ~ coarsening^-3.5 (measured on fluids). Without a loadable
- * replica the scene with its shortened window stays. */
+ * window of the scene and REPLICA_COST_EXPONENT. Without a loadable replica the scene with its
+ * shortened window stays. */
 static int find_replica(struct scope *s, const struct jobs *jobs, double run_budget_s) {
-    static const double max_coarsening = 3.0, exponent = 3.5;
+    static const double max_coarsening = 3.0;
     const struct time_window scene = s->window;
     double slowdown = scene.scene_duration / scene.length;
-    double coarsening = ceil(4.0 * pow(slowdown, 1.0 / exponent)) / 4.0;
+    double coarsening = ceil(4.0 * pow(slowdown, 1.0 / REPLICA_COST_EXPONENT)) / 4.0;
     for (coarsening = fmin(coarsening, max_coarsening);;
          coarsening = fmin(coarsening + 0.5, max_coarsening)) {
         int code = set_coarsening(s, coarsening);
@@ -71,7 +71,8 @@ void scope_print(const struct scope *s) {
     printf("%s: %s %s, %g s with a frame every %g s\n", s->user->scene,
            w->whole ? "whole" : "beginning of the",
            s->replica.sets ? "coarse replica of the scene" : "scene", w->length, w->frame_interval);
-    for (int k = 0; k < s->replica.sets; k++) printf("  --set %s\n", s->replica.set[k]);
+    for (int k = 0; k < s->replica.sets; k++)
+        printf("  --set %s\n", shell_word(s->replica.set[k]).text);
     if (!w->whole || s->replica.sets)
         printf(
             "(to simulate the same again: --twin %g --window %g; more --minutes simulate more)\n",
