@@ -381,7 +381,8 @@ def _parts(kind: str, given: Constraints) -> Sequence[dict[str, Any]]:
     parts = [given] if isinstance(given, dict) else given
     if not isinstance(parts, (list, tuple)) or not all(isinstance(part, dict) for part in parts):
         raise InputError(f"{kind}: expected the parameters of a constraint as a dictionary, or a "
-                         f"list of these, found {reprlib.repr(given)}")
+                         f"list of these, found {reprlib.repr(given)}; a keyword that the method does not "
+                         "have is the name of a constraint")
     return parts
 
 

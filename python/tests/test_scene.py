@@ -230,8 +230,8 @@ class Mistakes(unittest.TestCase):
         self.fails("box: expected the shape 2 x 3", scene.add_fluid, box=[1, 2], radius=0.1)
         self.fails("spring: expected the parameters", scene.add_cloth, vertices, triangles,
                    area_density=1, spring=3)
-        self.fails("^fluit: expected the parameters .{,120}$", scene.add_fluid, vertices, radius=0.1,
-                   fluit=list(range(1000)))
+        self.fails("^fluit: expected the parameters .{,180} is the name of a constraint$", scene.add_fluid, vertices,
+                   radius=0.1, fluit=list(range(1000)))
         self.fails("mesh: expected a file or vertices", scene.add_cloth, vertices, triangles, area_density=1,
                    mesh="a.obj")
         self.fails("velocities: expected them with positions", scene.add_fluid, box=[[0] * 3, [1] * 3], radius=0.1,
