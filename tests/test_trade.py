@@ -247,6 +247,20 @@ class TradeInlet(unittest.TestCase):
         self.assertTrue(0 < max(errors) < 1, errors)
 
 
+class TradeSheet(unittest.TestCase):
+    def test_no_trial_is_bad_input(self):
+        sheet = {"duration": 0.1, "frame_interval": 0.02, "bodies": [
+            {"name": "sheet", "surface": {"grid": {"size": [1, 1], "vertices": [4, 4]}, "area_density": 0.2},
+             "constraints": [{"type": "spring", "stretching_stiffness": 100}]}]}
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder, "sheet.json")
+            scene.write_text(json.dumps(sheet))
+            said = subprocess.run([PROJDYN, "trade", scene, "-o", folder + "/out", "--minutes", "0.01"], check=True,
+                                  capture_output=True, text=True).stdout
+        self.assertIn("good", said)
+        self.assertNotIn("bad input", said)
+
+
 class TradeReplica(unittest.TestCase):
     """Settings run on a coarse replica, recommended for the scene."""
 

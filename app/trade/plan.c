@@ -203,13 +203,21 @@ static bool add_fixed_steps(struct plan *plan) {
     return good;
 }
 
-/* Solvers other than that of the scene. */
+static bool has_fluid(const json_t *scene) {
+    size_t k;
+    for (size_t b = 0; b < json_array_size(json_object_get(scene, "bodies")); b++)
+        if (scene_fluid(scene, b, &k)) return true;
+    return false;
+}
+
+/* Solvers other than that of the scene; the unknowns of dual are the pressures of a fluid. */
 static bool add_solvers(struct plan *plan) {
     static const char *const others[] = {"cg", "hybrid", "dual"};
     bool good = true;
     for (int k = 0; k < 3 && good; k++) {
         struct setting setting = {0};
         if (!strcmp(others[k], plan->window->solver)) continue;
+        if (!strcmp(others[k], "dual") && !has_fluid(plan->scene)) continue;
         setting_add(&setting, "solver.type=%s", others[k]);
         good = append_setting(plan, &setting, "solver %s", others[k]);
     }
