@@ -455,7 +455,8 @@ static void test_errors(void **state) {
         {"{'body': 'water', 'constraint': 'atachment'}",
          "probes[0].constraint: unknown constraint \"atachment\"; did you mean \"attachment\"?"},
         {"{'body': 'water', 'constraint': 'attachment'}",
-         "probes[0].constraint: \"water\" has no constraint \"attachment\""},
+         "probes[0].constraint: \"water\" has no constraint \"attachment\"; expected the body "
+         "whose"},
         {"{'body': 'water', 'constraint': 'fluid'}",
          "probes[0].constraint: expected a type that holds or pushes \"water\" from outside, such "
          "as \"pin\" or \"attachment\", found \"fluid\""},

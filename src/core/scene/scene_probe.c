@@ -183,7 +183,9 @@ static pdyn_status read_constraint(const struct reader *r, const struct json_at 
                          "\"pin\" or \"attachment\", found \"%s\"",
                          body, probe->type->name);
     if (!count_constraints(r, probe))
-        return json_fail(at, "\"%s\" has no constraint \"%s\"", body, probe->type->name);
+        return json_fail(
+            at, "\"%s\" has no constraint \"%s\"; expected the body whose \"constraints\" have it",
+            body, probe->type->name);
     probe->kind = PROBE_CONSTRAINT;
     return PDYN_OK;
 }
