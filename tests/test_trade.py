@@ -260,6 +260,20 @@ class TradeSheet(unittest.TestCase):
         self.assertIn("good", said)
         self.assertNotIn("bad input", said)
 
+    def test_budget_below_the_expected_time(self):
+        """3^4 times the time of a replica is expected, and a sheet takes less: that is measured."""
+        sheet = {"duration": 0.1, "frame_interval": 0.02, "bodies": [
+            {"name": "sheet", "surface": {"grid": {"size": [1, 1], "vertices": [28, 28]}, "area_density": 0.2},
+             "constraints": [{"type": "spring", "stretching_stiffness": 100},
+                             {"type": "pin", "vertices": {"border": True}}]}]}
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder, "sheet.json")
+            scene.write_text(json.dumps(sheet))
+            said = subprocess.run([PROJDYN, "trade", scene, "-o", folder + "/out", "--minutes", "0.1", "--twin", "3",
+                                   "--budget", "1e-4ms"], capture_output=True, text=True).stderr
+        self.assertRegex(said, "no setting reaches the target; the scene itself takes about")
+        self.assertLess(float(re.search(r"about (\S+) times", said).group(1)), 50)
+
 
 class TradeReplica(unittest.TestCase):
     """Settings run on a coarse replica, recommended for the scene."""
