@@ -510,18 +510,17 @@ static void test_forces_on_vertices(void **state) {
 #define LEFT TILTED_BOX("left", "1", "'rotate': [-6, 7, 51]", "2")
 #define RIGHT                                                                                      \
     TILTED_BOX("right", "2", "'rotate': [-4, 1, 10], 'translate': [0.3, 0.03, 0.02]", "-1")
-#define TWO_BOXES(first, second)                                                                   \
+#define TWO_BOXES(friction, first, second)                                                         \
     RIGID_SCENE("0.002", "[0, 0, 0]",                                                              \
-                ", 'contact': {'thickness': 0.006, 'damping_ratio': 1, 'friction': 0}, "           \
-                "'solver': {'tolerance': 1e-9}",                                                   \
+                ", 'contact': {'thickness': 0.006, 'damping_ratio': 1, 'friction': " friction      \
+                "}, 'solver': {'tolerance': 1e-9}",                                                \
                 PAIR(first, second))
 
-/* Two boxes without friction hit each other alike, whichever is the first in the scene. */
-static void test_order(void **state) {
-    (void)state;
+/* Two boxes hit each other alike, whichever is the first in the scene. */
+static void check_order(const char *const scene[2]) {
     double v[2][3];
     for (int k = 0; k < 2; k++) {
-        pdyn_sim *sim = test_open(k ? TWO_BOXES(RIGHT, LEFT) : TWO_BOXES(LEFT, RIGHT));
+        pdyn_sim *sim = test_open(scene[k]);
         steps(sim, 75);
         mean_of(sim, k, sim->v, v[k]);
         test_close(sim);
@@ -529,6 +528,12 @@ static void test_order(void **state) {
     print_message("%g %g\n", v[0][0], vec3_distance(v[0], v[1]));
     assert_true(v[0][0] < 0.5);
     assert_true(vec3_distance(v[0], v[1]) < 1e-7);
+}
+
+static void test_order(void **state) {
+    (void)state;
+    check_order((const char *[]){TWO_BOXES("0", LEFT, RIGHT), TWO_BOXES("0", RIGHT, LEFT)});
+    check_order((const char *[]){TWO_BOXES("0.5", LEFT, RIGHT), TWO_BOXES("0.5", RIGHT, LEFT)});
 }
 
 int main(void) {

@@ -160,7 +160,7 @@ typedef struct pdyn_contact {
     double coefficient[4]; /* 0 for a point of a solid */
     double offset[3];      /* m: part of the shortest vector by points of solids */
     double separation[3];  /* m: the shortest vector when the contact was found */
-    double side[3];        /* m: a side of the second primitive, which turns with it */
+    double side[3];        /* a direction that turns with the primitives, of any length */
     double shift[3]; /* m: change of the shortest vector by moving solids in this step; 0 in a local
                         step */
     double force;    /* N: mean normal force of the contact in the step before, with its share of

@@ -11,7 +11,7 @@
 
 struct spring {
     double normal[3];  /* of the contact, length 1 */
-    double axis[2][3]; /* along the surfaces, length 1, and turning with one of them */
+    double axis[2][3]; /* along the surfaces, length 1, and turning with them */
     double anchor[3];  /* m: the shortest vector at which the spring has no force */
     double limit;      /* N: friction coefficient times normal force */
 };

@@ -170,7 +170,9 @@ pdyn_status contact_find_flat_sides(struct contact *contact);
 /* The key of a pair, which stays the same while a vertex moves over a flat part: so does what
  * friction remembers. */
 uint64_t contact_key(const struct contact *contact, const struct pair *pair);
-/* A side of the second primitive of a pair, or of its flat part, m. */
+/* A direction that turns with the surfaces of a pair: a side of its face, or of the first face of
+ * its flat part; of two edges the sum of their directions, which turns by the mean of their turns.
+ */
 void contact_side(const struct contact *contact, const struct pair *pair, double side[3]);
 /* Whether another face, beyond a flat side of this one, is nearer to the vertex of a pair, or as
  * near and has a lower number. */

@@ -125,10 +125,17 @@ uint64_t contact_key(const struct contact *c, const struct pair *p) {
 }
 
 void contact_side(const struct contact *c, const struct pair *p, double side[3]) {
-    const int *end = p->point + 2; /* of two edges */
+    const int *end = p->point;
+    int count = 2; /* of two edges */
     if (pair_kind_of(p->key) == &pair_vertex_face)
-        end = c->face + 3 * (size_t)c->flat.part[pair_second(p)];
-    vec3_subtract(side, c->at + 3 * (size_t)end[1], c->at + 3 * (size_t)end[0]);
+        end = c->face + 3 * (size_t)c->flat.part[pair_second(p)], count = 1;
+    memset(side, 0, 3 * sizeof *side);
+    for (int k = 0; k < count; k++, end += 2) {
+        double along[3];
+        vec3_subtract(along, c->at + 3 * (size_t)end[1], c->at + 3 * (size_t)end[0]);
+        vec3_normalise(along);
+        vec3_add(side, 1.0, along);
+    }
 }
 
 /* Relative difference of distances that are the same; weight of a corner that is 0. Where both are
