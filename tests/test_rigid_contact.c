@@ -378,11 +378,12 @@ static void test_corner_at_a_hinged_post(void **state) {
     ", 'density': 50}, 'constraints': [{'type': 'tet', 'stiffness': 1e5}]}"
 
 /* Two pairs of carts 100 m apart meet through light soft bumpers, one pair along x, one along z:
- * the momentum that the limit of an impulse takes off a bumper stays with its pair. */
+ * the momentum that the limit of an impulse takes off a bumper, and that of a solve that ended
+ * early, stay with their pair. */
 static void test_two_bumpers(void **state) {
     (void)state;
     pdyn_sim *sim = test_open(RIGID_SCENE(
-        "0.005", "[0, 0, 0]", ", 'contact': {'thickness': 0.005}, 'solver': {'tolerance': 1e-5}",
+        "0.005", "[0, 0, 0]", ", 'contact': {'thickness': 0.005}, 'solver': {'tolerance': 0.5}",
         CART("[2, 0, 0]", "[-0.2, -0.05, -0.05]", "[-0.1, 0.05, 0.05]")
             CART("[0, 0, 0]", "[0.06, -0.05, -0.05]", "[0.16, 0.05, 0.05]")
                 CART("[0, 0, 2]", "[99.95, -0.05, -0.2]", "[100.05, 0.05, -0.1]")
@@ -398,7 +399,8 @@ static void test_two_bumpers(void **state) {
     const struct objective_body *bumper = &sim->objective.body[4];
     for (int i = bumper->first; i < bumper->first + bumper->count; i++)
         along_z += sim->objective.mass[i] * sim->v[3 * (size_t)i + 2];
-    assert_true(fabs(along_z) < 1e-4);
+    print_message("%g\n", along_z);
+    assert_true(fabs(along_z) < 1e-12);
     test_close(sim);
 }
 

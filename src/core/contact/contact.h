@@ -115,6 +115,10 @@ struct contact_vertex { /* a vertex of a solid in a contact */
 int contact_list_vertices(const struct contact *contact, const pdyn_contacts *contacts, int e,
                           struct contact_vertex vertex[4]);
 
+/* Joins the particles of pairs that may come close in this step (base/groups.h), in a scene without
+ * solids. */
+void contact_join(const struct contact *contact, int *group);
+
 /* Wall time in contact since contact_clear_ms. */
 double contact_ms(const struct contact *contact);
 void contact_clear_ms(struct contact *contact);

@@ -4,6 +4,8 @@
 #include "bearings.h"
 #include "contact_parts.h"
 
+#include "base/groups.h"
+
 #include "projdyn/vec3.h"
 
 #include <string.h>
@@ -217,4 +219,11 @@ int contact_list_vertices(const struct contact *c, const pdyn_contacts *contacts
             vertex[count++] = (struct contact_vertex){c->group[s->point[k]] - c->bodies, s->c[k],
                                                       c->at + 3 * (size_t)s->point[k]};
     return count;
+}
+
+void contact_join(const struct contact *c, int *group) {
+    for (int k = 0; k < c->pairs.count; k++) {
+        const int *point = c->pairs.pair[k].point;
+        groups_join(group, c->column[point[0]], c->column[point[3]]);
+    }
 }

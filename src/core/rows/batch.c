@@ -238,6 +238,13 @@ void batch_join_impacts(const struct batch *b, int *group) {
     if (batch_has_impacts(b) && !b->op && b->view.elements) rows_join_between(b, group);
 }
 
+void batch_join_bodies(const struct batch *b, int *group) {
+    const pdyn_body *body = b->view.body;
+    bool within = !(b->type->flags & PDYN_CONTACT) && b->touch_first >= body->first &&
+                  b->touch_first + b->touch_count <= body->first + body->count;
+    if (b->view.elements && !within) rows_join(b, 0, b->view.element_row[b->view.elements], group);
+}
+
 void batch_keep_impacts(struct batch *b, const double *kept) {
     if (batch_has_impacts(b) && !b->op && b->view.elements) rows_keep_impacts(b, kept);
 }

@@ -220,6 +220,8 @@ int batch_impacts(struct batch *batch, const struct velocity_change *change, dou
 bool batch_impacts_between(const struct batch *batch, double *force);
 /* Joins the particles of each row with such an impact (base/groups.h). */
 void batch_join_impacts(const struct batch *batch, int *group);
+/* Rows tier: joins the particles of each row of a batch that has particles of several bodies. */
+void batch_join_bodies(const struct batch *batch, int *group);
 /* After batch_impacts, rows tier: of the impacts between particles and solids, keeps the part that
  * the particles (kept: one part each, weighted by coefficients) have kept. */
 void batch_keep_impacts(struct batch *batch, const double *kept);

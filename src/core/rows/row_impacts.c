@@ -117,13 +117,16 @@ void rows_scatter_between(const struct batch *b, double *y) {
     }
 }
 
+void rows_join(const struct batch *b, int first, int last, int *group) {
+    for (int k = b->view.row_entry[first] + 1; k < b->view.row_entry[last]; k++)
+        if (b->entry_row[k] == b->entry_row[k - 1])
+            groups_join(group, b->view.column[k - 1], b->view.column[k]);
+}
+
 void rows_join_between(const struct batch *b, int *group) {
-    const pdyn_batch *v = &b->view;
-    for (int r = 0; r < v->element_row[v->elements]; r++) {
-        if (vec3_length(b->flux + 4 * (size_t)r) == 0.0 || sum_of_row(b, r) != 0.0) continue;
-        for (int k = v->row_entry[r] + 1; k < v->row_entry[r + 1]; k++)
-            groups_join(group, v->column[k - 1], v->column[k]);
-    }
+    for (int r = 0; r < b->view.element_row[b->view.elements]; r++)
+        if (vec3_length(b->flux + 4 * (size_t)r) > 0.0 && sum_of_row(b, r) == 0.0)
+            rows_join(b, r, r + 1, group);
 }
 
 int rows_impacts(struct batch *b, const struct velocity_change *change, double *force) {

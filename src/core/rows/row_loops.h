@@ -79,7 +79,9 @@ int rows_impacts(struct batch *batch, const struct velocity_change *change, doub
 void rows_keep_impacts(struct batch *batch, const double *kept);
 /* y += G' flux of the rows that tie particles to particles alone: their forces sum to zero. */
 void rows_scatter_between(const struct batch *batch, double *y);
-/* Joins the particles of each of these rows that has a flux (base/groups.h). */
+/* Joins the particles of each row from `first` on, before `last` (base/groups.h). */
+void rows_join(const struct batch *batch, int first, int last, int *group);
+/* The same of each row between particles alone that has a flux. */
 void rows_join_between(const struct batch *batch, int *group);
 
 #endif

@@ -64,6 +64,7 @@ static bool resize_state(struct pdyn_sim *sim, enum array_action action) {
         ARRAY(sim->objective.mass, n),
         ARRAY(sim->impacts.passed_on, 3 * (size_t)sim->bodies),
         ARRAY(sim->impacts.group, n),
+        ARRAY(sim->momentum_group, n),
         ARRAY(sim->objective.partial, pool_blocks((int)n, PARTICLE_GRAIN)),
     };
     return context_arrays(sim->context, table, ARRAY_ROWS(table), action);

@@ -80,6 +80,7 @@ struct pdyn_sim {
         double *passed_on; /* bodies x 3, N: force of impacts that the body's pins take up */
         int *group;        /* particles: those that impacts of a step join (base/groups.h) */
     } impacts;
+    int *momentum_group;       /* particles: of this step (momentum.h, base/groups.h) */
     struct solid_loads *loads; /* forces on solids; NULL in a scene without solids */
 
     /* Bodies and solids. */

@@ -12,33 +12,21 @@
 
 #include <string.h>
 
-/* v = (x_next - from) / h, without the momentum, N s, that rounding adds to a system whose
- * constraints cannot: it would accumulate over many steps. */
+/* v = (x_next - from) / h, without the momentum, N s, that a solve that ended early and rounding
+ * add to bodies whose constraints cannot: it would accumulate over many steps. */
 static void compute_velocities(struct pdyn_sim *sim, const double *from, double h) {
     const double h_e = sim->objective.h;
-    double excess[3] = {0};
-    for (int i = 0; i < sim->objective.particles; i++) {
-        double m = particle_is_live(sim, i) ? sim->objective.mass[i] : 0.0;
-        for (int k = 3 * i; k < 3 * i + 3; k++) {
-            double v = (sim->x_next[k] - from[k]) / h;
-            excess[k % 3] += m * (v - sim->v_base[k] - h_e * applied_acceleration(sim, k));
-            sim->v[k] = v;
-        }
+    double *excess = sim->trial;
+    for (int k = 0; k < 3 * sim->objective.particles; k++) {
+        double v = (sim->x_next[k] - from[k]) / h;
+        excess[k] =
+            sim->objective.mass[k / 3] * (v - sim->v_base[k] - h_e * applied_acceleration(sim, k));
+        sim->v[k] = v;
     }
     momentum_subtract(sim, excess, sim->v);
 }
 
 /* ---- unsolved steps -------------------------------------------------------------------------- */
-
-/* Mean velocity of the system; 0 if a constraint can change the momentum. */
-static void mean_velocity(const struct pdyn_sim *sim, double mean[3]) {
-    mean[0] = mean[1] = mean[2] = 0.0;
-    if (sim->anchored) return;
-    for (int i = 0; i < sim->objective.particles; i++)
-        if (particle_is_live(sim, i)) vec3_add(mean, sim->objective.mass[i], sim->v + 3 * i);
-    double mass = live_mass(sim);
-    for (int a = 0; a < 3 && mass > 0.0; a++) mean[a] /= mass;
-}
 
 /* Rise of the energy of motion and height, J, of particle i in a step of length h. */
 static double motion_gain(const struct pdyn_sim *sim, int i, double h) {
@@ -49,28 +37,26 @@ static double motion_gain(const struct pdyn_sim *sim, int i, double h) {
     return sim->objective.mass[i] * gain;
 }
 
-/* Removes the energy gain from the motion relative to the mean velocity; rise: that of the
- * constraints' energies. */
+/* Removes the energy gain from the motion relative to the mean velocity of each group
+ * (momentum.h); rise: that of the constraints' energies. */
 static void remove_energy_gain(struct pdyn_sim *sim, double h, double rise) {
     const struct objective *objective = &sim->objective;
-    double gained = rise, kinetic = 0.0, mean[3], excess[3] = {0};
-    mean_velocity(sim, mean);
+    double gained = rise, kinetic = 0.0, *relative = sim->trial_gradient, *momentum = sim->trial;
+    for (int k = 0; k < 3 * objective->particles; k++)
+        relative[k] = sim->v[k], momentum[k] = objective->mass[k / 3] * sim->v[k];
+    momentum_subtract(sim, momentum, relative);
     for (int i = 0; i < objective->particles; i++) {
-        double speed = vec3_distance(sim->v + 3 * i, mean);
+        const double *u = relative + 3 * (size_t)i;
         if (!particle_is_live(sim, i) || particle_is_pushed(sim, i)) continue;
         gained += motion_gain(sim, i, h);
-        kinetic += 0.5 * objective->mass[i] * speed * speed;
+        kinetic += 0.5 * objective->mass[i] * vec3_dot(u, u);
     }
     if (!(gained > 0.0)) return;
     sim->slowed = fmin(1.0, gained / kinetic);
-    double part = sqrt(1.0 - sim->slowed);
-    for (int k = 0; k < 3 * objective->particles; k++) {
-        if (!particle_is_live(sim, k / 3)) continue;
-        double v = mean[k % 3] + part * (sim->v[k] - mean[k % 3]);
-        excess[k % 3] += objective->mass[k / 3] * (v - sim->v[k]);
-        sim->v[k] = v;
-    }
-    momentum_subtract(sim, excess, sim->v);
+    double lost = 1.0 - sqrt(1.0 - sim->slowed);
+    for (int i = 0; i < objective->particles; i++)
+        if (particle_is_live(sim, i))
+            vec3_add(sim->v + 3 * (size_t)i, -lost, relative + 3 * (size_t)i);
 }
 
 /* After an unsolved step, computes the velocities of Euler's method, v = (x_next - x) / h. With the
