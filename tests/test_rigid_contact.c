@@ -538,6 +538,36 @@ static void test_order(void **state) {
     check_order((const char *[]){TWO_BOXES("0.5", LEFT, RIGHT), TWO_BOXES("0.5", RIGHT, LEFT)});
 }
 
+#define CROSSED(place, motion)                                                                     \
+    "{'rigid': {'box': {'minimum': [-0.1, -0.1, -0.1], 'maximum': [0.1, 0.1, 0.1]}, 'density': "   \
+    "700, " place "}, 'velocity': " motion "}"
+/* Two cubes that meet edge to edge; z: the sign of all that the mirror turns. */
+#define CROSSED_CUBES(z)                                                                           \
+    RIGID_SCENE("0.002", "[0, 0, 0]",                                                              \
+                ", 'contact': {'thickness': 0.004, 'friction': 0}, 'solver': {'tolerance': 1e-9}", \
+                PAIR(CROSSED("'rotate': [" z "8, 0, 45], 'translate': [0, 0.145, 0]",              \
+                             "[0.5, -1, " z "0.3]"),                                               \
+                     CROSSED("'rotate': [" z "45, 0, 0], 'angular_velocity': [0, " z               \
+                             "1, 0], 'translate': [0.01, -0.145, " z "0.01]",                      \
+                             "[-0.4, 1, 0]")))
+
+/* A collision and its image in a mirror: shares in an impact do not depend on which four points
+ * stand for a body. */
+static void test_mirror(void **state) {
+    (void)state;
+    double v[2][3];
+    for (int k = 0; k < 2; k++) {
+        pdyn_sim *sim = test_open(k ? CROSSED_CUBES("-") : CROSSED_CUBES(""));
+        steps(sim, 20);
+        mean_of(sim, 0, sim->v, v[k]);
+        test_close(sim);
+    }
+    v[1][2] *= -1.0;
+    print_message("%g %g\n", v[0][1], vec3_distance(v[0], v[1]));
+    assert_true(v[0][1] > -0.5);
+    assert_true(vec3_distance(v[0], v[1]) < 1e-10);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_forces_on_vertices),
@@ -561,6 +591,7 @@ int main(void) {
         cmocka_unit_test(test_pinned_plate),
         cmocka_unit_test(test_matrix),
         cmocka_unit_test(test_order),
+        cmocka_unit_test(test_mirror),
         cmocka_unit_test(test_collision_long),
     };
     return cmocka_run_group_tests_name("rigid contact", tests, test_enter_directory,

@@ -68,8 +68,9 @@ static void shift_velocities(struct pdyn_sim *sim, int b, double h, struct impul
     }
 }
 
-/* share[i]: size of the impulse of particle i, kg m/s; for the points of a rigid body the sum over
- * them. */
+/* share[i]: size of the impulse of particle i, kg m/s; for the points of a rigid body four times
+ * the root of their mean square, which is the same for all four points that can stand for the body.
+ */
 static void find_shares(const struct pdyn_sim *sim, const double *between, double *share) {
     const struct objective *objective = &sim->objective;
     const struct rigid_map *map = objective->rigid;
@@ -77,8 +78,8 @@ static void find_shares(const struct pdyn_sim *sim, const double *between, doubl
         share[i] = objective->mass[i] * vec3_length(between + 3 * (size_t)i);
     for (int b = 0; map && b < map->bodies; b++) {
         double *point = share + map->body[b].first + map->body[b].vertices, sum = 0.0;
-        for (int k = 0; k < RIGID_POINTS; k++) sum += point[k];
-        for (int k = 0; k < RIGID_POINTS; k++) point[k] = sum;
+        for (int k = 0; k < RIGID_POINTS; k++) sum += point[k] * point[k];
+        for (int k = 0; k < RIGID_POINTS; k++) point[k] = sqrt(RIGID_POINTS * sum);
     }
 }
 
