@@ -166,22 +166,36 @@ static bool has_other_forces(const struct pdyn_sim *sim) {
     return others;
 }
 
-/* yield[i]: acceleration of particle i by all constraints over that by one-sided ones, at most 1: a
- * pinned vertex does not yield to water, however light it is. At first, yield holds the
- * acceleration by one-sided constraints, particles x 3: entry i is written after row i was read. */
+/* Acceleration of points by all constraints over that by one-sided ones, particles x 3, at most 1;
+ * each is the norm over the points. */
+static double yield_of(const struct pdyn_sim *sim, int first, int points, const double *one_sided) {
+    double all = 0.0, part = 0.0, h = sim->objective.h;
+    for (int k = 3 * first; k < 3 * (first + points); k++) {
+        double moved = sim->x_next[k] - sim->objective.s[k];
+        all += moved * moved, part += one_sided[k] * one_sided[k];
+    }
+    all = sqrt(all) / (h * h), part = sqrt(part);
+    return all < part ? all / part : 1.0;
+}
+
+/* The yields of particles: a pinned vertex does not yield to water, however light it is. A rigid
+ * body has one: with one for each vertex, an impact would depend on the triangles of a flat face.
+ * At first, yield holds the acceleration by one-sided constraints, particles x 3: entry i is
+ * written after row i was read. */
 static void find_yield(struct pdyn_sim *sim, const struct velocity_change *change, double *yield) {
     struct objective *objective = &sim->objective;
+    const struct rigid_map *map = objective->rigid;
     memset(yield, 0, objective_bytes(objective));
     for (int b = 0; b < objective->batches; b++) {
         if (!batch_has_impacts(objective->batch[b])) continue;
         batch_find_acceleration(objective->batch[b], change);
         objective_axpy(objective, 1.0, change->acceleration, yield);
     }
-    for (int i = 0; i < objective->particles; i++) {
-        double one_sided = vec3_length(yield + 3 * (size_t)i);
-        double all = vec3_distance(sim->x_next + 3 * (size_t)i, objective->s + 3 * (size_t)i) /
-                     (objective->h * objective->h);
-        yield[i] = all < one_sided ? all / one_sided : 1.0;
+    for (int b = 0; b < objective->bodies; b++) {
+        int first = objective->body[b].first, end = first + objective->body[b].count;
+        bool rigid = map && map->owner[first] >= 0;
+        double whole = rigid ? yield_of(sim, end - RIGID_POINTS, RIGID_POINTS, yield) : 1.0;
+        for (int i = first; i < end; i++) yield[i] = rigid ? whole : yield_of(sim, i, 1, yield);
     }
 }
 
