@@ -80,16 +80,31 @@ static void test_good(void **state) {
     wrong_expect(good, NULL);
 }
 
-/* A body of particles has no vertices to choose from: the flag is missing. */
+struct chosen {
+    double stiffness;
+    pdyn_vertices vertices;
+};
+
+/* An element for each chosen vertex beyond the third, as the shape of a group of points has. */
+static int elements_of_chosen(const void *par, const pdyn_body *body) {
+    (void)body;
+    int count = ((const struct chosen *)par)->vertices.count;
+    return count > 3 ? count - 3 : 0;
+}
+
+/* A type that needs more than three chosen vertices is exercised. A body of particles has none to
+ * choose from: the flag is missing. */
 static void test_vertices(void **state) {
     (void)state;
     static const pdyn_param chosen[] = {
         {"stiffness", PDYN_REAL, 0, false, 100, 0, 1e6, "N/m", "of each edge"},
-        {"vertices", PDYN_VERTICES, 16, true, 0, 0, 0, "", "the points"},
+        {"vertices", PDYN_VERTICES, offsetof(struct chosen, vertices), true, 0, 0, 0, "",
+         "the points"},
         {0}};
     pdyn_constraint_type t = good;
-    t.params = chosen, t.params_size = 16 + sizeof(pdyn_vertices);
+    t.params = chosen, t.params_size = sizeof(struct chosen);
     wrong_expect(t, NULL);
+    t.elements = elements_of_chosen, wrong_expect(t, NULL);
     t.flags = 0;
     wrong_expect(t, "parameter \"vertices\" chooses vertices, which a body of particles lacks");
 }

@@ -17,7 +17,8 @@ static double value_for(const pdyn_param *p) {
 static const char *const format_of[] = {[PDYN_REAL] = ", \"%s\": %.17g",
                                         [PDYN_INT] = ", \"%s\": %.0f",
                                         [PDYN_VECTOR] = ", \"%s\": [%.17g, %.17g, %.17g]",
-                                        [PDYN_VERTICES] = ", \"%s\": {\"vertices\": [0, 4]}",
+                                        [PDYN_VERTICES] =
+                                            ", \"%s\": {\"vertices\": [0, 4, 7, 12, 16]}",
                                         [PDYN_PATH] = ", \"%s\": [[0, 0, 0, 0], [1, 0.1, 0, 0]]",
                                         [PDYN_OTHER] = ", \"%s\": \"other\""};
 
