@@ -60,8 +60,8 @@ struct pdyn_sim {
     double *max_step; /* particles, then samples, m: largest displacement of an iterate; NULL:
                          none */
     /* particles x 3: scratch of the minimisation; rhs: minus the gradient of the model, and scratch
-     * of stop_paths. Between two minimisations they are free: impacts.c, velocities.c, forces.c,
-     * solid_load.c and probe_wall.c overwrite them. */
+     * of step/stop_paths.c. Between two minimisations they are free: impacts.c, velocities.c and
+     * momentum.c of step/, forces.c, solid_load.c and probe_wall.c overwrite them. */
     double *trial, *trial_gradient, *direction, *rhs;
     struct solver_view model; /* the solver's view of the objective */
     struct solver_choice choice;
@@ -72,7 +72,7 @@ struct pdyn_sim {
     bool forces_known; /* its last local step belongs to the state: forces can be computed */
     double slowed;     /* part of the kinetic energy that the end of the step took away, as it was
                           far from solved and had gained energy */
-    /* What impacts.c computes. */
+    /* What step/impacts.c computes. */
     struct {
         int count;         /* constraints with an impact */
         double left_out;   /* 1 - (h_e / h)^2: the part of their forces that does not change
@@ -80,7 +80,7 @@ struct pdyn_sim {
         double *passed_on; /* bodies x 3, N: force of impacts that the body's pins take up */
         int *group;        /* particles: those that impacts of a step join (base/groups.h) */
     } impacts;
-    int *momentum_group;       /* particles: of this step (momentum.h, base/groups.h) */
+    int *momentum_group;       /* particles: of this step (step/momentum.h, base/groups.h) */
     struct solid_loads *loads; /* forces on solids; NULL in a scene without solids */
 
     /* Bodies and solids. */

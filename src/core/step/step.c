@@ -5,7 +5,7 @@
  *       | minimise         first iterate, from x towards s   carried.h, start_point.h, contact.h
  *       |                  iterates                          minimise.c
  *       | finish_step      x = last iterate, v from x        velocities.h
- *       v                  inlets and outlets                live_particles.h
+ *       v                  inlets and outlets                sim/live_particles.h
  *     x, v
  *
  * A step that diverges is attempted again, shorter. */
