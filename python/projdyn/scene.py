@@ -239,6 +239,8 @@ class Scene(Unique):
 
     def load(self) -> Simulation:
         """Makes a simulation. InputError: the scene is not valid; the text says where."""
+        if not isinstance(self, Scene):  # Scene.load("a.json")
+            raise TypeError("Scene.load() is a method of a scene: projdyn.load(path) loads a file")
         sim = self._handle.make(lib.pdyn_scene_load)
         return Simulation(Handle(sim, lib.pdyn_free, self._handle.parent))
 

@@ -247,6 +247,7 @@ class Mistakes(unittest.TestCase):
         for text, call in [("name: expected a text, found int", lambda: projdyn.Scene(3)),
                            ("threads: expected a whole number, found str", lambda: projdyn.Scene(threads="2")),
                            ("path: expected a path, found dict", lambda: projdyn.Scene.open({})),
+                           (r"projdyn.load\(path\) loads a file", lambda: projdyn.Scene.load("a.json")),
                            ("path: expected a path, found int", lambda: projdyn.load(3)),
                            ("overrides: expected a dictionary", lambda: projdyn.load("a.json", ["b=3"])),
                            ("path: expected a path, found int", lambda: scene.write(3)),
