@@ -30,8 +30,9 @@ static int suits(const pdyn_model *model, const char **reason) {
 static pdyn_status create(void *self, pdyn_model *model) { return two_level_create(self, model); }
 
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations) {
-    two_level_update(self, stop->first_of_step);
-    two_level_solve(self, b, y, stop, 0.0, iterations);
+    struct two_level *s = self;
+    two_level_update(s, stop->first_of_step);
+    pcg_solve(&s->pcg, b, y, stop, 0.0, iterations);
     return PDYN_OK;
 }
 

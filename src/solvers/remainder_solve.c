@@ -14,12 +14,12 @@ pdyn_status remainder_solve_create(struct remainder_solve *s, pdyn_model *whole)
     s->coupled = whole->elements_count || whole->dynamic_count || whole->solve_bodies;
     s->mobility = NEW(whole->services, whole->particles, double);
     if (!s->mobility) return PDYN_NO_MEMORY;
-    return s->coupled ? two_level_create(&s->cg, s->model) : PDYN_OK;
+    return s->coupled ? two_level_create(&s->two_level, s->model) : PDYN_OK;
 }
 
 void remainder_solve_free(struct remainder_solve *s) {
     if (s->whole) FREE(s->whole->services, s->mobility, s->whole->particles);
-    two_level_free(&s->cg);
+    two_level_free(&s->two_level);
 }
 
 static void for_particles(const struct remainder_solve *s, pdyn_range_fn *fn, double *b,
@@ -46,7 +46,7 @@ static void compute_mobility(void *arg, int first, int last, int block) {
 void remainder_solve_update(struct remainder_solve *s, bool first_of_step) {
     s->exact = !s->coupled || s->model->bodies_alone;
     for_particles(s, compute_mobility, NULL, NULL);
-    if (s->coupled) two_level_update(&s->cg, first_of_step);
+    if (s->coupled) two_level_update(&s->two_level, first_of_step);
 }
 
 /* y = A^-1 b of particles in no row and of no rigid body */
@@ -62,7 +62,7 @@ static void solve_free(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     for (int i = first; i < last; i++) {
-        const double *D = c->s->cg.jacobi.inverse + 6 * (size_t)i;
+        const double *D = c->s->two_level.jacobi.inverse + 6 * (size_t)i;
         bool free = !c->s->model->in_rows[i];
         for (int k = 3 * i; k < 3 * i + 3; k++) {
             c->y[k] = free ? D[0] * c->b[k] : 0.0;
@@ -71,18 +71,16 @@ static void solve_free(void *arg, int first, int last, int block) {
     }
 }
 
-static int apply_exactly(struct remainder_solve *s, double *b, double *y) {
-    for_particles(s, apply_mobility, b, y);
-    if (s->coupled) s->whole->solve_bodies(s->whole, b, y);
-    return 0;
-}
-
 int remainder_solve_apply(struct remainder_solve *s, double *b, double *y, double tolerance) {
     const pdyn_stop stop = {
         .rel_tol = tolerance, .max_iterations = MAX_ITERATIONS, .first_of_step = true};
     int iterations = 0;
-    if (s->exact) return apply_exactly(s, b, y);
+    if (s->exact) {
+        for_particles(s, apply_mobility, b, y);
+        if (s->coupled) s->whole->solve_bodies(s->whole, b, y);
+        return 0;
+    }
     for_particles(s, solve_free, b, y);
-    two_level_solve(&s->cg, b, y, &stop, tolerance, &iterations);
+    pcg_solve(&s->two_level.pcg, b, y, &stop, tolerance, &iterations);
     return iterations;
 }

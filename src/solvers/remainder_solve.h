@@ -8,12 +8,12 @@
 #include "two_level.h"
 
 struct remainder_solve {
-    pdyn_model *whole;   /* H */
-    pdyn_model *model;   /* A */
-    bool coupled;        /* there are rows or rigid bodies: A is not diagonal */
-    bool exact;          /* A^-1 takes no iteration now */
-    double *mobility;    /* particles, m/N: A^-1 of particles in no row, displacement per force */
-    struct two_level cg; /* if coupled */
+    pdyn_model *whole; /* H */
+    pdyn_model *model; /* A */
+    bool coupled;      /* there are rows or rigid bodies: A is not diagonal */
+    bool exact;        /* A^-1 takes no iteration now */
+    double *mobility;  /* particles, m/N: A^-1 of particles in no row, displacement per force */
+    struct two_level two_level; /* if coupled */
 };
 
 /* Zeroed before; after a failure it is to be freed, too. */

@@ -22,8 +22,3 @@ void two_level_update(struct two_level *s, bool first_of_step) {
     block_jacobi_update(&s->jacobi);
     coarse_space_update(&s->coarse, first_of_step);
 }
-
-void two_level_solve(struct two_level *s, double *b, double *y, const pdyn_stop *stop, double error,
-                     int *iterations) {
-    pcg_solve(&s->pcg, b, y, stop, error, iterations);
-}

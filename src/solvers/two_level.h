@@ -12,7 +12,7 @@
 #include "pcg.h"
 
 struct two_level {
-    struct pcg pcg;
+    struct pcg pcg; /* pcg_solve with this solves H y = b */
     struct block_jacobi jacobi;
     struct coarse_space coarse;
 };
@@ -23,9 +23,5 @@ void two_level_free(struct two_level *two_level);
 
 /* H has changed. */
 void two_level_update(struct two_level *two_level, bool first_of_step);
-
-/* As pcg_solve. */
-void two_level_solve(struct two_level *two_level, double *b, double *y, const pdyn_stop *stop,
-                     double error, int *iterations);
 
 #endif
