@@ -180,22 +180,22 @@ static double yield_of(const struct pdyn_sim *sim, int first, int points, const 
 
 /* The yields of particles: a pinned vertex does not yield to water, however light it is. A rigid
  * body has one: with one for each vertex, an impact would depend on the triangles of a flat face.
- * At first, yield holds the acceleration by one-sided constraints, particles x 3: entry i is
- * written after row i was read. */
-static void find_yield(struct pdyn_sim *sim, const struct velocity_change *change, double *yield) {
+ * one_sided, particles x 3, becomes the acceleration by one-sided constraints. */
+static void find_yield(struct pdyn_sim *sim, const struct velocity_change *change,
+                       double *one_sided, double *yield) {
     struct objective *objective = &sim->objective;
     const struct rigid_map *map = objective->rigid;
-    memset(yield, 0, objective_bytes(objective));
+    memset(one_sided, 0, objective_bytes(objective));
     for (int b = 0; b < objective->batches; b++) {
         if (!batch_has_impacts(objective->batch[b])) continue;
         batch_find_acceleration(objective->batch[b], change);
-        objective_axpy(objective, 1.0, change->acceleration, yield);
+        objective_axpy(objective, 1.0, change->acceleration, one_sided);
     }
     for (int b = 0; b < objective->bodies; b++) {
         int first = objective->body[b].first, end = first + objective->body[b].count;
         bool rigid = map && map->owner[first] >= 0;
-        double whole = rigid ? yield_of(sim, end - RIGID_POINTS, RIGID_POINTS, yield) : 1.0;
-        for (int i = first; i < end; i++) yield[i] = rigid ? whole : yield_of(sim, i, 1, yield);
+        double whole = rigid ? yield_of(sim, end - RIGID_POINTS, RIGID_POINTS, one_sided) : 1.0;
+        for (int i = first; i < end; i++) yield[i] = rigid ? whole : yield_of(sim, i, 1, one_sided);
     }
 }
 
@@ -235,13 +235,13 @@ static int find_impacts(struct pdyn_sim *sim, double h, double *force) {
                                      .solved = sim->solved,
                                      .acceleration = sim->direction};
     int count = 0;
-    memset(force, 0, objective_bytes(objective));
     memcpy(slowed, sim->v_before, objective_bytes(objective));
     objective_axpy(objective, -1.0, sim->v, slowed);
     if (has_other_forces(sim)) {
-        find_yield(sim, &change, sim->rhs);
+        find_yield(sim, &change, force, sim->rhs);
         change.yield = sim->rhs;
     }
+    memset(force, 0, objective_bytes(objective));
     for (int b = 0; b < objective->batches; b++)
         count += batch_impacts(objective->batch[b], &change, force);
     return count;
