@@ -228,14 +228,19 @@ int batch_impacts(struct batch *b, const struct velocity_change *change, double 
     return b->op ? operator_impacts(b, change, force) : rows_impacts(b, change, force);
 }
 
+/* Whether it has rows whose forces can be impacts. */
+static bool has_impact_rows(const struct batch *b) {
+    return batch_has_impacts(b) && !b->op && b->view.elements;
+}
+
 bool batch_impacts_between(const struct batch *b, double *force) {
-    if (!batch_has_impacts(b) || b->op || !b->view.elements) return false;
+    if (!has_impact_rows(b)) return false;
     rows_scatter_between(b, force);
     return true;
 }
 
 void batch_join_impacts(const struct batch *b, int *group) {
-    if (batch_has_impacts(b) && !b->op && b->view.elements) rows_join_between(b, group);
+    if (has_impact_rows(b)) rows_join_between(b, group);
 }
 
 void batch_join_bodies(const struct batch *b, int *group) {
@@ -246,7 +251,7 @@ void batch_join_bodies(const struct batch *b, int *group) {
 }
 
 void batch_keep_impacts(struct batch *b, const double *kept) {
-    if (batch_has_impacts(b) && !b->op && b->view.elements) rows_keep_impacts(b, kept);
+    if (has_impact_rows(b)) rows_keep_impacts(b, kept);
 }
 
 void batch_limit(struct batch *b, const double *x, double *max_step) {

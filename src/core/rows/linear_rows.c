@@ -16,7 +16,7 @@ struct call {
 /* Sums run in several lanes, so that no addition waits for the one before. */
 enum { LANES = 4 };
 
-enum { AHEAD = 512 }; /* entries: memory is slow to begin with where they fill more than L2 */
+enum { AHEAD = 512 }; /* prefetches so many entries ahead: K may be larger than the L2 cache */
 
 /* sum += K_ij (x_j - x_i) of entry t */
 INLINE void add_entry(const struct linear_rows *k, int t, const double *x, const v4 *xi, v4 *sum,

@@ -69,7 +69,7 @@ WIDE static void diagonal_single(void *arg, int first, int last, int block) {
 }
 
 /* As diagonal_single, for B = m m' + a I. */
-WIDE static void diagonal_axes(void *arg, int first, int last, int block) {
+WIDE static void diagonal_rank1(void *arg, int first, int last, int block) {
     (void)block;
     const struct row_loop *c = arg;
     const struct batch *b = c->batch;
@@ -87,7 +87,7 @@ WIDE static void diagonal_axes(void *arg, int first, int last, int block) {
     }
 }
 
-/* As diagonal_axes, for elements of any number of rows: the entries of a particle in an element
+/* As diagonal_rank1, for elements of any number of rows: the entries of a particle in an element
  * have the sum m of their parts of m, and add m m'. */
 static void diagonal_wide(void *arg, int first, int last, int block) {
     (void)block;
@@ -113,7 +113,7 @@ static void diagonal_wide(void *arg, int first, int last, int block) {
 static pdyn_range_fn *diagonal_of(const struct batch *b) {
     if (b->wide && batch_has_blocks(b)) return diagonal_wide;
     if (!b->single) return diagonal_rows;
-    return b->type->tangent_rank1 && batch_has_blocks(b) ? diagonal_axes : diagonal_single;
+    return b->type->tangent_rank1 && batch_has_blocks(b) ? diagonal_rank1 : diagonal_single;
 }
 
 void rows_diagonal(struct batch *b, double *blocks) {

@@ -36,7 +36,7 @@ static void linearise_rows(void *arg, int first, int last, int block) {
 
 /* B = m m' + a I from J = s I - a a', in place of it: 4 numbers of each element, which has one row.
  */
-WIDE static void damp_axes(struct batch *b, int first, int last, double eps) {
+WIDE static void damp_rank1(struct batch *b, int first, int last, double eps) {
     double *B = b->block + b->block_start[first], root[ROWS_PIECE];
     const double *w = b->view.weight + first;
     for (int k = 0; k < last - first; k++) root[k] = sqrt((1.0 - eps) * w[k]);
@@ -46,7 +46,7 @@ WIDE static void damp_axes(struct batch *b, int first, int last, double eps) {
     }
 }
 
-/* As damp_axes, for elements of any number of rows. */
+/* As damp_rank1, for elements of any number of rows. */
 static void damp_wide(struct batch *b, int first, int last, double eps) {
     for (int e = first; e < last; e++) {
         double w = b->view.weight[e], *B = b->block + b->block_start[e];
@@ -63,13 +63,13 @@ static void linearise_numeric(void *arg, int first, int last, int block) {
     damp_blocks(b, first, last, b->eps);
 }
 
-static void linearise_axes(void *arg, int first, int last, int block) {
+static void linearise_rank1(void *arg, int first, int last, int block) {
     (void)block;
     struct batch *b = arg;
     for (int e = first, end; e < last; e = end) {
         end = last - e > ROWS_PIECE ? e + ROWS_PIECE : last;
         b->type->tangent_rank1(b->params, &b->view, e, end, b->block + b->block_start[e]);
-        (b->wide ? damp_wide : damp_axes)(b, e, end, b->eps);
+        (b->wide ? damp_wide : damp_rank1)(b, e, end, b->eps);
     }
 }
 
@@ -81,7 +81,7 @@ pdyn_status rows_linearise(struct batch *b) {
     if (!b->block) return PDYN_NO_MEMORY;
     bool numeric = b->type->flags & PDYN_NUMERIC_TANGENT;
     pdyn_range_fn *linearise = numeric                  ? linearise_numeric
-                               : b->type->tangent_rank1 ? linearise_axes
+                               : b->type->tangent_rank1 ? linearise_rank1
                                                         : linearise_rows;
     pool_for(b->context->pool, b->view.elements, numeric ? NUMERIC_GRAIN : b->grain, linearise, b);
     return PDYN_OK;
@@ -108,7 +108,7 @@ INLINE void multiply_element(const struct batch *b, int e, int first, int rows, 
 }
 
 /* flux = B u for element e of one row with B = m m' + a I */
-INLINE void multiply_axis(const struct batch *b, int e, const double *x) {
+INLINE void multiply_rank1(const struct batch *b, int e, const double *x) {
     v4 u, f, B;
     gather_row(b, e, x, &u);
     v4_load(&B, b->block, e);
@@ -116,10 +116,10 @@ INLINE void multiply_axis(const struct batch *b, int e, const double *x) {
     v4_store(b->flux, e, &f);
 }
 
-WIDE static void apply_axes(void *arg, int first, int last, int block) {
+WIDE static void apply_rank1(void *arg, int first, int last, int block) {
     (void)block;
     const struct row_loop *c = arg;
-    for (int e = first; e < last; e++) multiply_axis(c->batch, e, c->in);
+    for (int e = first; e < last; e++) multiply_rank1(c->batch, e, c->in);
 }
 
 /* flux = B u for element e with B = m m' + a I */
@@ -165,7 +165,7 @@ WIDE static void apply_rows(void *arg, int first, int last, int block) {
 
 static pdyn_range_fn *apply_of(const struct batch *b) {
     if (!b->type->tangent_rank1 || !batch_has_blocks(b)) return apply_rows;
-    return b->wide ? apply_wide : apply_axes;
+    return b->wide ? apply_wide : apply_rank1;
 }
 
 void rows_multiply(struct batch *b, const double *u) { rows_for_elements(b, apply_of(b), u); }
