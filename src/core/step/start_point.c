@@ -104,8 +104,8 @@ static bool predict_without_forces(const struct pdyn_sim *sim, double *x) {
     return differs;
 }
 
-/* Starts at the trial where that lowers E. Otherwise the iterate stays; *elsewhere: the local step
- * was not there. */
+/* Takes the trial as the start if E is lower there. If not, the iterate stays the start, but the
+ * last local step was at the trial: *elsewhere is true. */
 static pdyn_status try_start(struct pdyn_sim *sim, double *energy, bool *elsewhere) {
     double other;
     pdyn_status status = start_at(sim, sim->trial, &other, sim->trial_gradient);

@@ -1,9 +1,10 @@
 /* One time step. The way of a position through it, with the files that do each part:
  *
  *     x, v                 the state
- *       | predict          s = x^ + h_e v^ + h_e^2 g         integrator.h has the base x^, v^
+ *       | predict          s = x^ + h_e v^ + h_e^2 (g + f/m) integrator.h has the base x^, v^
  *       | minimise         first iterate, from x towards s   carried.h, start_point.h, contact.h
  *       |                  iterates                          minimise.c
+ *       |                  no momentum error                 momentum.h
  *       | finish_step      x = last iterate, v from x        velocities.h
  *       v                  inlets and outlets                sim/live_particles.h
  *     x, v
@@ -163,9 +164,10 @@ struct retries {
     char why[WARNING_TEXT]; /* of the last one */
 };
 
-/* Notes why the attempt has to be taken back. Returns false where it stays, or nothing helps. */
-static bool note_why(const struct pdyn_sim *sim, const struct step_end *end, pdyn_status status,
-                     double residual, struct retries *retries) {
+/* Whether the attempt has to be repeated with a shorter step; retries->why says why. False, too,
+ * for an error that a shorter step does not mend. */
+static bool must_shorten(const struct pdyn_sim *sim, const struct step_end *end, pdyn_status status,
+                         double residual, struct retries *retries) {
     const char *why = NULL;
     if (status == PDYN_DIVERGED) why = pdyn_last_error(NULL);
     if (status == PDYN_OK && moved_too_far(sim, end, residual))
@@ -197,7 +199,7 @@ static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *e
     pdyn_status status = find_first_normal_forces(sim, end);
     if (status == PDYN_OK) status = attempt(sim, end, progress);
     while (retries->count < sim->scene.settings.retries &&
-           note_why(sim, end, status, progress->residual, retries)) {
+           must_shorten(sim, end, status, progress->residual, retries)) {
         if ((status = take_back(sim)) != PDYN_OK) break;
         sim_forget_steps(sim);
         *end =
@@ -238,7 +240,7 @@ static void measure_times(const struct pdyn_sim *sim, double ms, double ms_cpu,
 }
 
 static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_info *info) {
-    struct progress progress;
+    struct progress progress = {0};
     struct retries retries = {0};
     double start = clock_ms(), cpu = clock_cpu_ms();
     sim->in_step = true;
